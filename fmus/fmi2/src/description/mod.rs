@@ -88,7 +88,7 @@ impl ModelDescription {
     #[must_use]
     pub fn unit_of(&self, variable: &Variable) -> Option<&str> {
         let Kind::Real(own) = &variable.kind else { return None };
-        own.unit.as_deref().or_else(|| {
+        own.unit.as_deref().or_else(move || {
             let declared = self.simple_type(variable.declared_type.as_deref()?)?;
             match &declared.kind {
                 TypeKind::Real(real) => real.unit.as_deref(),
