@@ -86,9 +86,9 @@ impl ModelDescription {
 
     /// The unit name of a Real variable: its own, else that of its declared type.
     #[must_use]
-    pub fn unit_of(&self, variable: &Variable) -> Option<&str> {
+    pub fn unit_of<'a>(&'a self, variable: &'a Variable) -> Option<&'a str> {
         let Kind::Real(own) = &variable.kind else { return None };
-        own.unit.as_deref().or_else(move || {
+        own.unit.as_deref().or_else(|| {
             let declared = self.simple_type(variable.declared_type.as_deref()?)?;
             match &declared.kind {
                 TypeKind::Real(real) => real.unit.as_deref(),
