@@ -1,0 +1,1 @@
+//! To be written: syntax tree to scenario.

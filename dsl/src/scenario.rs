@@ -1,0 +1,343 @@
+//! What is meant: a scenario with every name resolved, every unit converted and every element spelt out. Next on the
+//! walk: `orchestrator/src/wiring.rs`.
+//!
+//! This is the only type of the language that a run sees. It is flat on purpose: groups, vectors and conversions are
+//! gone, each connection carries one scalar, times are ticks. Reals inside expressions are SI.
+
+use serde::{Deserialize, Serialize};
+
+/// A script, ready to run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scenario {
+    /// The words of the `scenario` line.
+    pub title: String,
+    /// The communication step in nanoseconds.
+    pub step_ns: u64,
+    /// The tick at which the run ends.
+    pub stop_tick: u64,
+    /// The parameters with the values of this run, in order of declaration, `seed` last unless declared.
+    pub parameters: Vec<Parameter>,
+    /// The units under their names, in order of declaration.
+    pub instances: Vec<Instance>,
+    /// How initialization carries values, in an order that respects the units' declared dependencies.
+    pub initialization: Vec<InitialStep>,
+    /// One for each driven input element, in order of the targets (instance, variable).
+    pub connections: Vec<Connection>,
+    /// `at` windows in the script's order.
+    pub events: Vec<Event>,
+    /// The conditions of `rises(c)`, by slot.
+    pub rises: Vec<BooleanExpression>,
+    /// The claims in the script's order.
+    pub claims: Vec<Claim>,
+    /// What is recorded, in column order.
+    pub columns: Vec<Column>,
+}
+
+/// A parameter of the script with its value in this run.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Parameter {
+    /// The name.
+    pub name: String,
+    /// The value as it can be typed after `--set name = `.
+    pub value: String,
+    /// Whether the command line set it.
+    pub set: bool,
+}
+
+/// A unit under a name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Instance {
+    /// The name in the script.
+    pub name: String,
+    /// The unit as the script wrote it: a path that ends in `.fmu`, or a name.
+    pub unit: String,
+    /// The period in ticks.
+    pub every: u64,
+    /// The wave in which it steps: 0, or one more than the last of its `=>` sources.
+    pub wave: usize,
+    /// Parameters and start values from the braces, in order.
+    pub presets: Vec<Preset>,
+}
+
+/// A value that is set before initialization.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Preset {
+    /// Index into the unit's variables.
+    pub variable: usize,
+    /// The value, in the variable's own unit.
+    pub value: Value,
+}
+
+/// A value of one of the base types.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Value {
+    /// Real, in the variable's own unit.
+    Real(f64),
+    /// Integer, or the value of an enumeration item.
+    Integer(i32),
+    /// Boolean
+    Boolean(bool),
+    /// String
+    String(String),
+    /// `file("x")`: a path relative to the script's folder, to be resolved and hashed by the run.
+    File(String),
+}
+
+/// One variable of one instance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Port {
+    /// Index into [`Scenario::instances`].
+    pub instance: usize,
+    /// Index into the variables of the instance's unit.
+    pub variable: usize,
+}
+
+/// One step of initialization; [`Scenario::initialization`] holds them in order.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum InitialStep {
+    /// Computes and sets the inputs of these connections (indices into [`Scenario::connections`]), all of one instance.
+    Set {
+        /// The instance.
+        instance: usize,
+        /// The connections.
+        connections: Vec<usize>,
+    },
+    /// Reads these variables of one instance, so that later steps can use them.
+    Get {
+        /// The instance.
+        instance: usize,
+        /// The variables.
+        variables: Vec<usize>,
+    },
+}
+
+/// One arrow, for one element.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Connection {
+    /// The driven input.
+    pub target: Port,
+    /// What drives it.
+    pub source: Drive,
+    /// Whether the source steps first (`=>`).
+    pub direct: bool,
+}
+
+/// What an input or a `set` gets, in the target's own type and unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Drive {
+    /// The value of another port of the same base type and unit, bit for bit.
+    Copy(Port),
+    /// A real, already in the target's unit.
+    Real(RealExpression),
+    /// An integer or the value of an enumeration item.
+    Integer(i32),
+    /// A condition.
+    Boolean(BooleanExpression),
+    /// A text.
+    String(String),
+}
+
+/// A real value. Signals are read raw, in their variable's own unit; [`RealExpression::Affine`] brings them to SI.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum RealExpression {
+    /// A number.
+    Constant(f64),
+    /// A Real port, or an Integer port widened.
+    Signal(Port),
+    /// Seconds since the start, tick × step.
+    Time,
+    /// `factor * x + offset`: from a variable's unit to SI.
+    Affine {
+        /// The value.
+        of: Box<RealExpression>,
+        /// Multiplied first.
+        factor: f64,
+        /// Added then.
+        offset: f64,
+    },
+    /// `(x - offset) / factor`: from SI to a variable's unit.
+    InverseAffine {
+        /// The value.
+        of: Box<RealExpression>,
+        /// Divided by last.
+        factor: f64,
+        /// Subtracted first.
+        offset: f64,
+    },
+    /// `-x`
+    Negate(Box<RealExpression>),
+    /// `a + b`
+    Add(Box<RealExpression>, Box<RealExpression>),
+    /// `a - b`
+    Subtract(Box<RealExpression>, Box<RealExpression>),
+    /// `a * b`
+    Multiply(Box<RealExpression>, Box<RealExpression>),
+    /// `a / b`
+    Divide(Box<RealExpression>, Box<RealExpression>),
+    /// A function of its arguments.
+    Call(Function, Vec<RealExpression>),
+}
+
+/// The functions with a real value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Function {
+    /// Magnitude of one argument.
+    Abs,
+    /// Smallest argument; NaN if any is.
+    Min,
+    /// Largest argument; NaN if any is.
+    Max,
+    /// Sum from left to right.
+    Sum,
+    /// Sum over count.
+    Mean,
+    /// Square root.
+    Sqrt,
+    /// Exponential.
+    Exp,
+    /// Natural logarithm.
+    Log,
+    /// Largest integer not above.
+    Floor,
+    /// Sine.
+    Sin,
+    /// Cosine.
+    Cos,
+    /// Tangent.
+    Tan,
+    /// Angle of (y, x).
+    Atan2,
+    /// Euclidean length of the arguments.
+    Norm,
+}
+
+/// A condition. A comparison with a NaN operand is false.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum BooleanExpression {
+    /// `true`, `false`
+    Constant(bool),
+    /// A Boolean port.
+    Signal(Port),
+    /// `margin > 0`, or `margin >= 0` unless strict.
+    Margin(Margin),
+    /// Two Integer, Boolean or String operands are equal.
+    Same(Operand, Operand),
+    /// Slot of [`Scenario::rises`]: holds now and did not at the sample before.
+    Rises(usize),
+    /// `not a`
+    Not(Box<BooleanExpression>),
+    /// All hold.
+    And(Vec<BooleanExpression>),
+    /// At least one holds.
+    Or(Vec<BooleanExpression>),
+}
+
+/// An operand of `==` between discrete values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Operand {
+    /// A port of Integer, Enumeration, Boolean or String type.
+    Signal(Port),
+    /// A value written in the script.
+    Constant(Value),
+}
+
+/// A comparison of reals as the distance from its limit, positive where it holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Margin {
+    /// `x - c` for `x > c`, `c - x` for `x < c`, `d - |x - c|` for `x == c ± d`; SI.
+    pub value: RealExpression,
+    /// Whether zero fails.
+    pub strict: bool,
+}
+
+/// An `at` window; it closes by itself if `until` is there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Event {
+    /// The tick at which it opens.
+    pub from: u64,
+    /// The tick at which it closes and undoes itself.
+    pub until: Option<u64>,
+    /// What it sets while open, one for each element.
+    pub sets: Vec<Set>,
+}
+
+/// One element of a `set`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Set {
+    /// An input or a tunable parameter.
+    pub target: Port,
+    /// The value, tracked while the window is open.
+    pub value: Drive,
+}
+
+/// An `assert`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Claim {
+    /// The name.
+    pub name: String,
+    /// The claim as written, on one line.
+    pub text: String,
+    /// Line of the `assert` in its file, from 1.
+    pub line: usize,
+    /// What must hold at tick 0.
+    pub formula: Formula,
+    /// How many ticks the formula looks ahead before anything of it can be judged.
+    pub horizon: u64,
+    /// The unit that margins are told in; `None` where all margins are infinite.
+    pub unit: Option<MarginUnit>,
+    /// For a claim about one comparison with a constant: its limit.
+    pub limit: Option<Limit>,
+}
+
+/// The unit of a margin: a difference, so without offset.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MarginUnit {
+    /// The name as the script writes it; empty for plain numbers.
+    pub name: String,
+    /// SI value of one.
+    pub factor: f64,
+}
+
+/// The constant side of a comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Limit {
+    /// The constant, in [`MarginUnit`].
+    pub value: f64,
+    /// Whether values must stay below it; what was seen is `value - margin`, else `value + margin`.
+    pub upper: bool,
+}
+
+/// A claim's meaning in negation normal form: `not` stands in atoms only, so that not-a-number fails under it too.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Formula {
+    /// A comparison with a margin.
+    Margin(Margin),
+    /// A condition with margin ±∞.
+    Condition(BooleanExpression),
+    /// All hold; the margin is the smallest.
+    And(Vec<Formula>),
+    /// One holds; the margin is the largest.
+    Or(Vec<Formula>),
+    /// Holds at every tick of the window; the margin is the smallest.
+    Always(TickWindow, Box<Formula>),
+    /// Holds at some tick of the window; the margin is the largest.
+    Eventually(TickWindow, Box<Formula>),
+}
+
+/// Ticks from now on, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TickWindow {
+    /// The first.
+    pub from: u64,
+    /// The last; `None` reaches to the last tick at which the body can be judged.
+    pub to: Option<u64>,
+}
+
+/// One column of the trace.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Column {
+    /// `instance.variable`.
+    pub name: String,
+    /// The port.
+    pub port: Port,
+}

@@ -1,0 +1,65 @@
+//! The texts that a scenario is made of, and places in them.
+
+use serde::{Deserialize, Serialize};
+
+/// A range of bytes in one text of [`Sources`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Span {
+    /// Index of the text in [`Sources`].
+    pub text: u32,
+    /// First byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
+}
+
+impl Span {
+    /// The smallest span that covers both, which lie in one text.
+    #[must_use]
+    pub fn to(self, other: Self) -> Self {
+        Self { text: self.text, start: self.start.min(other.start), end: self.end.max(other.end) }
+    }
+}
+
+/// A named text: a script as its user named it, or an assignment of the command line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// What diagnostics call it, for example `scenarios/first_flight.scn` or `--set`.
+    pub name: String,
+    /// The text as it was read.
+    pub text: String,
+}
+
+/// All texts of one scenario; a [`Span`] points into them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Sources {
+    texts: Vec<Source>,
+}
+
+impl Sources {
+    /// Adds a text and returns its index.
+    pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> u32 {
+        self.texts.push(Source { name: name.into(), text: text.into() });
+        u32::try_from(self.texts.len() - 1).unwrap_or(u32::MAX)
+    }
+
+    /// The text that a span lies in.
+    #[must_use]
+    pub fn of(&self, span: Span) -> &Source {
+        &self.texts[span.text as usize]
+    }
+
+    /// The words that a span covers.
+    #[must_use]
+    pub fn slice(&self, span: Span) -> &str {
+        self.of(span).text.get(span.start as usize..span.end as usize).unwrap_or_default()
+    }
+
+    /// Line and column, both from 1, of a span's first character.
+    #[must_use]
+    pub fn line_and_column(&self, span: Span) -> (usize, usize) {
+        let before = self.of(span).text.get(..span.start as usize).unwrap_or_default();
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+    }
+}
