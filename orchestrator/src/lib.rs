@@ -1,1 +1,21 @@
-//! To be written.
+//! Runs scenarios: loads units, steps them in lockstep, judges claims and leaves results that people look at.
+//!
+//! ```text
+//! lockstep run ── parent: finds units, checks the script, writes every file, prints everything ── supervise
+//!    │  plan (standard input)          ▲ rows, messages, claims, the call in progress (board, mapped by both)
+//!    ▼                                 │
+//! lockstep step-loop ── child: worker ── units ── step loop ── claims
+//! ```
+//!
+//! Whatever a unit does to its process, the parent still holds the rows and the last words.
+
+pub mod claims;
+pub mod failure;
+pub mod message;
+pub mod plan;
+pub mod step_loop;
+pub mod supervise;
+pub mod trace;
+pub mod unit;
+pub mod wiring;
+pub mod worker;

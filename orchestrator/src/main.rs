@@ -1,2 +1,2 @@
-//! To be written.
+//! The command line of Lockstep.
 fn main() {}

@@ -1,0 +1,55 @@
+//! What the stepping process tells its parent besides rows and claims, as records of the board's message ring.
+
+use crate::failure::Failure;
+use fmi2::c::RawStatus;
+use serde::{Deserialize, Serialize};
+
+/// One record, encoded by postcard.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Message {
+    /// A unit's own log message, printf arguments already in place.
+    Log(LogMessage),
+    /// Something that the user should see, though the run goes on.
+    Warning(String),
+    /// The run ended by itself; nothing follows.
+    Finished(Finish),
+    /// The run broke; nothing follows.
+    Broken(Failure),
+}
+
+/// A unit's own words.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LogMessage {
+    /// Index of the instance; `None` before one exists.
+    pub instance: Option<usize>,
+    /// The tick of the call in which it was said.
+    pub tick: u64,
+    /// The status as the unit gave it.
+    pub status: RawStatus,
+    /// The category as the unit gave it.
+    pub category: String,
+    /// The text.
+    pub text: String,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Finish {
+    /// The tick of the last row.
+    pub last_tick: u64,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// Why a run ended.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Reason {
+    /// The stop time was reached.
+    StopTime,
+    /// This instance said that it is done (Discard with Terminated).
+    Terminated(usize),
+    /// `--fail-fast` and this claim was lost.
+    ClaimLost(usize),
+    /// The user interrupted.
+    Interrupted,
+}

@@ -1,0 +1,1 @@
+//! Orders in, replies out: the trait that every placement of instances implements.
