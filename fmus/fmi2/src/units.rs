@@ -1,10 +1,84 @@
 //! Units of measure as exponents of the SI base units, factor and offset.
+//!
+//! A unit is what a `BaseUnit` element of a model description says; [`parse`] reads the unit expressions that scripts and
+//! unit crates write (`m/s^2`, `N.m`, `deg`), from one built-in table.
 
+mod parse;
+mod table;
+
+use std::fmt;
+
+pub use parse::{Cause, UnknownUnit, parse};
 use serde::{Deserialize, Serialize};
 
 /// Exponents of the eight base units of FMI, in the order kg m s A K mol cd rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Dimension(pub [i8; 8]);
+
+impl Dimension {
+    /// No base unit at all: the dimension of a plain number.
+    pub const NONE: Self = Self([0; 8]);
+    /// The names of the base units, in the order of the exponents.
+    pub const BASE_NAMES: [&'static str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
+
+    /// The dimension of a product, or `None` if an exponent leaves the range of `i8`.
+    #[must_use]
+    pub fn checked_mul(self, other: Self) -> Option<Self> {
+        self.each(|index, exponent| exponent.checked_add(other.0[index]))
+    }
+
+    /// The dimension of a quotient, or `None` if an exponent leaves the range of `i8`.
+    #[must_use]
+    pub fn checked_div(self, other: Self) -> Option<Self> {
+        self.each(|index, exponent| exponent.checked_sub(other.0[index]))
+    }
+
+    /// The dimension of a power, or `None` if an exponent leaves the range of `i8`.
+    #[must_use]
+    pub fn checked_pow(self, power: i8) -> Option<Self> {
+        self.each(|_, exponent| exponent.checked_mul(power))
+    }
+
+    /// The dimension of a square root, or `None` if an exponent is odd.
+    #[must_use]
+    pub fn checked_sqrt(self) -> Option<Self> {
+        self.each(|_, exponent| (exponent % 2 == 0).then_some(exponent / 2))
+    }
+
+    /// The same with the exponent of rad set to 0: inside expressions an angle counts as a plain number.
+    #[must_use]
+    pub fn without_angle(mut self) -> Self {
+        self.0[7] = 0;
+        self
+    }
+
+    fn each(self, change: impl Fn(usize, i8) -> Option<i8>) -> Option<Self> {
+        let mut exponents = self.0;
+        for (index, exponent) in exponents.iter_mut().enumerate() {
+            *exponent = change(index, *exponent)?;
+        }
+        Some(Self(exponents))
+    }
+}
+
+/// `kg m^2/s^2`, `kg/(m s^2)`, `1/s`, and `1` for a plain number.
+impl fmt::Display for Dimension {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let named = || Self::BASE_NAMES.iter().zip(self.0);
+        let written = |name: &str, exponent: u8| match exponent {
+            1 => name.to_owned(),
+            _ => format!("{name}^{exponent}"),
+        };
+        let above: Vec<_> = named().filter(|&(_, e)| e > 0).map(|(name, e)| written(name, e.unsigned_abs())).collect();
+        let below: Vec<_> = named().filter(|&(_, e)| e < 0).map(|(name, e)| written(name, e.unsigned_abs())).collect();
+        f.write_str(if above.is_empty() { "1".to_owned() } else { above.join(" ") }.as_str())?;
+        match below.as_slice() {
+            [] => Ok(()),
+            [one] => write!(f, "/{one}"),
+            several => write!(f, "/({})", several.join(" ")),
+        }
+    }
+}
 
 /// `BaseUnit`: `si = factor * value + offset`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,6 +93,54 @@ pub struct BaseUnit {
 
 impl Default for BaseUnit {
     fn default() -> Self {
-        Self { dimension: Dimension::default(), factor: 1.0, offset: 0.0 }
+        Self { dimension: Dimension::NONE, factor: 1.0, offset: 0.0 }
     }
 }
+
+impl BaseUnit {
+    /// The SI value of a value in this unit.
+    #[must_use]
+    pub fn to_si(&self, value: f64) -> f64 {
+        self.scale().apply(value)
+    }
+
+    /// The value in this unit of an SI value.
+    #[must_use]
+    pub fn from_si(&self, si: f64) -> f64 {
+        if self.factor == 1.0 && self.offset == 0.0 { si } else { (si - self.offset) / self.factor }
+    }
+
+    /// How values in this unit become values in the other one; `None` if the dimensions differ.
+    #[must_use]
+    pub fn conversion_to(&self, other: &Self) -> Option<Conversion> {
+        let (factor, offset) = (self.factor / other.factor, (self.offset - other.offset) / other.factor);
+        (self.dimension == other.dimension).then_some(Conversion { factor, offset })
+    }
+
+    fn scale(&self) -> Conversion {
+        Conversion { factor: self.factor, offset: self.offset }
+    }
+}
+
+/// `new = factor * old + offset`, as between two units of one dimension or from a unit to its display unit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Conversion {
+    /// Factor.
+    pub factor: f64,
+    /// Offset, added after the factor.
+    pub offset: f64,
+}
+
+impl Conversion {
+    /// The conversion that changes nothing.
+    pub const IDENTITY: Self = Self { factor: 1.0, offset: 0.0 };
+
+    /// The converted value; under [`Conversion::IDENTITY`] the same bits.
+    #[must_use]
+    pub fn apply(&self, value: f64) -> f64 {
+        if *self == Self::IDENTITY { value } else { self.factor * value + self.offset }
+    }
+}
+
+#[cfg(test)]
+mod tests;
