@@ -1,2 +1,38 @@
-//! To be written.
+//! Builds a unit crate with cargo and packs it as an `.fmu` file, reproducibly.
+//!
+//! ```text
+//! Cargo.toml ─ unit_crate ─▶ build (cargo, profile of our own) ─▶ describe (the caller loads the library) ─▶ archive
+//! ```
+//!
+//! A unit crate is a package with a `[package.metadata.fmu]` table and a `cdylib` target. Two clones at different paths
+//! give the same bytes: paths are remapped, entries are sorted, nothing carries a date.
+//!
+//! This crate runs no code of a unit: whoever calls [`pack`] hands in how a library is asked for its description.
 #![forbid(unsafe_code)]
+
+mod archive;
+mod build;
+mod error;
+mod stale;
+mod unit_crate;
+
+pub use build::build;
+pub use error::PackError;
+pub use stale::is_stale;
+pub use unit_crate::{UnitCrate, Workspace};
+
+use std::path::{Path, PathBuf};
+
+/// Asks a unit's library for its `modelDescription.xml`.
+pub type Describe<'a> = &'a dyn Fn(&Path) -> Result<String, String>;
+
+/// Builds a unit and packs it into `archive`.
+///
+/// # Errors
+/// Says what failed: cargo, the library's description, a rule of the standard, or writing the file.
+pub fn pack(unit: &UnitCrate, describe: Describe<'_>, archive: &Path) -> Result<PathBuf, PackError> {
+    let library = build(unit)?;
+    let description = describe(&library).map_err(|reason| PackError::Describe { unit: unit.name.clone(), reason })?;
+    archive::write(unit, &library, &description, archive)?;
+    Ok(archive.to_path_buf())
+}

@@ -1,0 +1,80 @@
+//! Why a unit could not be packed.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// Why a unit could not be packed.
+#[derive(Debug)]
+pub enum PackError {
+    /// A file could not be read or written.
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What was being done, `read` or `write`.
+        doing: &'static str,
+        /// The system's answer.
+        source: std::io::Error,
+    },
+    /// A `Cargo.toml` is no unit crate's.
+    NoUnit {
+        /// The manifest.
+        manifest: PathBuf,
+        /// What is missing.
+        reason: String,
+    },
+    /// cargo could not be started.
+    NoCargo(std::io::Error),
+    /// cargo ended with an error, which it has told on standard error.
+    Build {
+        /// The unit.
+        unit: String,
+    },
+    /// cargo did not say where the library is.
+    NoLibrary {
+        /// The unit.
+        unit: String,
+    },
+    /// The library did not give its description.
+    Describe {
+        /// The unit.
+        unit: String,
+        /// Why.
+        reason: String,
+    },
+    /// The description breaks rules of the standard.
+    Rules {
+        /// The unit.
+        unit: String,
+        /// The findings, one a line.
+        findings: String,
+    },
+    /// The archive could not be put together.
+    Archive {
+        /// The unit.
+        unit: String,
+        /// Why.
+        reason: String,
+    },
+}
+
+impl fmt::Display for PackError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File { path, doing, source } => write!(f, "cannot {doing} {}: {source}", path.display()),
+            Self::NoUnit { manifest, reason } => write!(f, "{} is not a unit crate: {reason}", manifest.display()),
+            Self::NoCargo(source) => write!(f, "cannot start cargo, which builds units: {source}"),
+            Self::Build { unit } => write!(f, "unit `{unit}` does not build; cargo says why above"),
+            Self::NoLibrary { unit } => write!(
+                f,
+                "unit `{unit}` built no library: its Cargo.toml needs `[lib] crate-type = [\"cdylib\"]`"
+            ),
+            Self::Describe { unit, reason } => write!(f, "the library of unit `{unit}` gives no description: {reason}"),
+            Self::Rules { unit, findings } => {
+                write!(f, "the description of unit `{unit}` breaks rules of FMI 2.0.5:\n{findings}")
+            }
+            Self::Archive { unit, reason } => write!(f, "unit `{unit}` cannot be packed: {reason}"),
+        }
+    }
+}
+
+impl std::error::Error for PackError {}
