@@ -1,0 +1,63 @@
+//! The `lockstep` program as a user starts it, and where things lie.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// The repository's folder.
+#[must_use]
+pub fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_path_buf).unwrap_or_default()
+}
+
+/// The `lockstep` binary beside the running test.
+///
+/// # Panics
+/// If it is not built: `cargo test --workspace` and `cargo build` do that.
+#[must_use]
+pub fn lockstep() -> PathBuf {
+    let test = std::env::current_exe().unwrap_or_default();
+    let binary = test.ancestors().nth(2).map(|folder| folder.join(format!("lockstep{}", std::env::consts::EXE_SUFFIX)));
+    let found = binary.filter(|path| path.is_file());
+    assert!(found.is_some(), "lockstep is not built: cargo build --release");
+    found.unwrap_or_default()
+}
+
+/// What a program said and how it ended.
+#[derive(Debug)]
+pub struct Said {
+    /// Its exit code; `None` if a signal ended it.
+    pub code: Option<i32>,
+    /// Its standard output.
+    pub out: String,
+    /// Its standard error.
+    pub err: String,
+}
+
+impl From<Output> for Said {
+    fn from(output: Output) -> Self {
+        Self {
+            code: output.status.code(),
+            out: String::from_utf8_lossy(&output.stdout).into_owned(),
+            err: String::from_utf8_lossy(&output.stderr).into_owned(),
+        }
+    }
+}
+
+/// A `lockstep` command in a folder, ready for arguments.
+#[must_use]
+pub fn command(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(lockstep());
+    command.args(arguments).current_dir(folder).stdin(Stdio::null());
+    command
+}
+
+/// Runs `lockstep` in a folder to its end.
+///
+/// # Panics
+/// If it cannot be started.
+#[must_use]
+pub fn run(folder: &Path, arguments: &[&str]) -> Said {
+    let output = command(folder, arguments).output();
+    assert!(output.is_ok(), "cannot start lockstep: {output:?}");
+    output.map(Said::from).unwrap_or_else(|_| unreachable!("asserted above"))
+}

@@ -1,0 +1,70 @@
+//! The borders between crates, most of which say what is absent.
+
+use std::path::Path;
+
+/// Crates that may depend only on these.
+const ALLOWED: [(&str, &[&str]); 3] = [
+    ("models/Cargo.toml", &["libm", "nalgebra", "serde"]),
+    ("dsl/Cargo.toml", &["annotate-snippets", "fmi2", "libm", "pest", "pest_derive", "serde"]),
+    ("fmus/fmi2/Cargo.toml", &["encoding_rs", "roxmltree", "serde"]),
+];
+
+fn place(path: &Path, index: usize) -> String {
+    format!("{}:{}", path.display(), index + 1)
+}
+
+/// The code of a line: comments and the inside of simple string literals dropped.
+fn code(line: &str) -> String {
+    let without_comment = line.split("//").next().unwrap_or_default();
+    without_comment.split('"').step_by(2).collect::<Vec<_>>().join("\"\"")
+}
+
+fn has_word(code: &str, word: &str) -> bool {
+    code.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|found| found == word)
+}
+
+/// `unsafe` stands in the export layer, in the importer, and in the benchmarks' peer loops.
+pub(super) fn unsafe_code(path: &Path, text: &str) -> Vec<String> {
+    let places = ["fmus/fmu/", "orchestrator/src/unit/", "orchestrator/benches/"];
+    if places.iter().any(|allowed| path.starts_with(allowed)) {
+        return Vec::new();
+    }
+    let found = text.lines().enumerate().filter(|(_, line)| has_word(&code(line), "unsafe"));
+    found.map(|(i, _)| format!("{}: `unsafe` outside fmus/fmu and orchestrator/src/unit", place(path, i))).collect()
+}
+
+/// zenoh is named by the bus alone.
+pub(super) fn zenoh(path: &Path, text: &str) -> Vec<String> {
+    if path.starts_with("orchestrator/src/bus") {
+        return Vec::new();
+    }
+    let found = text.lines().enumerate().filter(|(_, line)| has_word(&code(line), "zenoh"));
+    found.map(|(i, _)| format!("{}: zenoh outside orchestrator/src/bus", place(path, i))).collect()
+}
+
+/// `models`, `dsl` and `fmi2` depend on what the README promises and on nothing else.
+pub(super) fn dependencies(root: &Path) -> std::io::Result<Vec<String>> {
+    let mut findings = Vec::new();
+    for (manifest, allowed) in ALLOWED {
+        let Ok(text) = std::fs::read_to_string(root.join(manifest)) else { continue };
+        let table: toml::Table = toml::from_str(&text).map_err(std::io::Error::other)?;
+        let Some(dependencies) = table.get("dependencies").and_then(toml::Value::as_table) else { continue };
+        for name in dependencies.keys().filter(|name| !allowed.contains(&name.as_str())) {
+            findings.push(format!("{manifest}: depends on `{name}`, allowed are {}", allowed.join(", ")));
+        }
+    }
+    Ok(findings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_in_comments_and_texts_are_no_code() {
+        assert!(!has_word(&code("let x = 1; // unsafe"), "unsafe"));
+        assert!(!has_word(&code("let x = \"unsafe\";"), "unsafe"));
+        assert!(has_word(&code("unsafe { x() }"), "unsafe"));
+        assert!(!has_word(&code("#![forbid(unsafe_code)]"), "unsafe"));
+    }
+}

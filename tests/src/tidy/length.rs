@@ -1,0 +1,44 @@
+//! Files of at most 400 lines, functions of at most 60.
+
+use std::path::Path;
+
+const FILE_LINES: usize = 400;
+const FUNCTION_LINES: usize = 60;
+
+pub(super) fn findings(path: &Path, text: &str) -> Vec<String> {
+    let lines: Vec<_> = text.lines().collect();
+    let mut findings = Vec::new();
+    if lines.len() > FILE_LINES {
+        findings.push(format!("{}: {} lines, more than {FILE_LINES}", path.display(), lines.len()));
+    }
+    let mut open: Option<(usize, &str, &str)> = None;
+    for (index, line) in lines.iter().enumerate() {
+        if let Some((indent, name)) = function_start(line) {
+            open = Some((index, indent, name));
+        } else if let Some((start, indent, name)) = open
+            && line.strip_prefix(indent).is_some_and(|rest| rest.starts_with('}'))
+        {
+            let length = index - start + 1;
+            if length > FUNCTION_LINES {
+                let place = format!("{}:{}", path.display(), start + 1);
+                findings.push(format!("{place}: function `{name}` has {length} lines, more than {FUNCTION_LINES}"));
+            }
+            open = None;
+        }
+    }
+    findings
+}
+
+/// Indentation and name of a function whose body begins on this or a later line.
+fn function_start(line: &str) -> Option<(&str, &str)> {
+    let words = line.trim_start();
+    let indent = &line[..line.len() - words.len()];
+    let (before, after) = words.split_once("fn ").filter(|_| !words.starts_with("//"))?;
+    let qualifiers = ["pub", "const", "async", "unsafe", "extern", "\"C\"", "crate", "super", "(", ")", "in", "self"];
+    let mut rest = before.trim();
+    while !rest.is_empty() {
+        rest = qualifiers.iter().find_map(|word| rest.strip_prefix(word))?.trim_start();
+    }
+    let name = after.split(|c: char| !(c.is_alphanumeric() || c == '_')).next().filter(|name| !name.is_empty())?;
+    (!line.trim_end().ends_with(';') && !line.trim_end().ends_with('}')).then_some((indent, name))
+}

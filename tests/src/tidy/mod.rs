@@ -1,0 +1,145 @@
+//! The habits of the house as checks over a source tree: each returns sentences about what it found.
+
+mod borders;
+mod citations;
+mod length;
+
+use std::path::{Path, PathBuf};
+
+/// Everything that is untidy in the tree at `root`, one sentence each.
+///
+/// # Errors
+/// If a file or folder of the tree cannot be read.
+pub fn findings(root: &Path) -> std::io::Result<Vec<String>> {
+    let mut findings = Vec::new();
+    for path in files_below(root, root, "rs")? {
+        let text = std::fs::read_to_string(root.join(&path))?;
+        findings.extend(opening(&path, &text));
+        findings.extend(length::findings(&path, &text));
+        findings.extend(borders::unsafe_code(&path, &text));
+        findings.extend(borders::zenoh(&path, &text));
+    }
+    findings.extend(borders::dependencies(root)?);
+    findings.extend(citations::findings(root)?);
+    findings.extend(scenarios_without_golden_trace(root)?);
+    Ok(findings)
+}
+
+/// Files of one extension below a folder, sorted, relative to the root; build results and hidden folders left out.
+fn files_below(root: &Path, folder: &Path, extension: &str) -> std::io::Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    if !folder.is_dir() {
+        return Ok(files);
+    }
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if path.is_dir() {
+            if !(name.starts_with('.') || name == "target" || name == "runs") {
+                files.extend(files_below(root, &path, extension)?);
+            }
+        } else if path.extension().is_some_and(|found| found == extension) {
+            files.push(path.strip_prefix(root).unwrap_or(&path).to_path_buf());
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// Each file says in its first line what it is for.
+fn opening(path: &Path, text: &str) -> Option<String> {
+    let first = text.lines().next().unwrap_or_default();
+    let sentence = first.strip_prefix("//! ").is_some_and(|words| words.len() > 10);
+    (!sentence).then(|| format!("{}: the first line is not `//!` and a sentence", path.display()))
+}
+
+fn scenarios_without_golden_trace(root: &Path) -> std::io::Result<Vec<String>> {
+    let scenarios = files_below(root, &root.join("scenarios"), "scn")?;
+    let runnable = scenarios.iter().filter(|path| path.parent() == Some(Path::new("scenarios")));
+    let golden =
+        |path: &Path| root.join("tests/golden").join(path.file_stem().unwrap_or_default()).with_extension("csv");
+    Ok(runnable
+        .filter(|path| !golden(path).is_file())
+        .map(|path| format!("{}: no golden trace {}", path.display(), golden(path).display()))
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn write(root: &Path, path: &str, text: &str) {
+        let path = root.join(path);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+
+    /// A tree in which nothing is wrong yet.
+    fn tidy_tree() -> tempfile::TempDir {
+        let root = tempfile::tempdir().unwrap();
+        write(root.path(), "models/src/lib.rs", "//! The mathematics of one thing.\n\n/// Adds.\nfn add() {}\n");
+        write(root.path(), "models/Cargo.toml", "[dependencies]\nlibm.workspace = true\n");
+        write(root.path(), "models/REFERENCES.md", "- Geng & Chulin (2016): a paper.\n");
+        write(root.path(), "scenarios/a.scn", "");
+        write(root.path(), "tests/golden/a.csv", "");
+        root
+    }
+
+    fn after(path: &str, text: &str) -> Vec<String> {
+        let root = tidy_tree();
+        assert_eq!(findings(root.path()).unwrap(), Vec::<String>::new(), "the tree is tidy before the mistake");
+        write(root.path(), path, text);
+        findings(root.path()).unwrap()
+    }
+
+    #[test]
+    fn a_file_that_does_not_say_what_it_is_for_is_found() {
+        assert_eq!(after("dsl/src/x.rs", "fn f() {}\n"), ["dsl/src/x.rs: the first line is not `//!` and a sentence"]);
+    }
+
+    #[test]
+    fn a_file_of_over_400_lines_is_found() {
+        let text = format!("//! Something that is long.\n{}", "\n".repeat(400));
+        assert_eq!(after("dsl/src/x.rs", &text), ["dsl/src/x.rs: 401 lines, more than 400"]);
+    }
+
+    #[test]
+    fn a_function_of_over_60_lines_is_found() {
+        let text = format!(
+            "//! Something that is long.\nimpl X {{\n    pub(crate) const fn long() {{\n{}    }}\n}}\n",
+            "        a();\n".repeat(59)
+        );
+        assert_eq!(after("dsl/src/x.rs", &text), ["dsl/src/x.rs:3: function `long` has 61 lines, more than 60"]);
+    }
+
+    #[test]
+    fn unsafe_code_outside_its_two_places_is_found() {
+        let found = after("dsl/src/x.rs", "//! Something that is unsafe.\nfn f() { unsafe { g() } }\n");
+        assert_eq!(found, ["dsl/src/x.rs:2: `unsafe` outside fmus/fmu and orchestrator/src/unit"]);
+    }
+
+    #[test]
+    fn a_citation_without_an_entry_is_found() {
+        let found = after("models/src/x.rs", "//! A law, after Nobody & Noone (1999), eq. 3.\n");
+        assert_eq!(found, ["models/src/x.rs:1: `Nobody & Noone (1999)` has no entry in models/REFERENCES.md"]);
+    }
+
+    #[test]
+    fn a_dependency_that_crosses_a_border_is_found() {
+        let found = after("models/Cargo.toml", "[dependencies]\nlibm.workspace = true\nserde_json = \"1\"\n");
+        assert_eq!(found, ["models/Cargo.toml: depends on `serde_json`, allowed are libm, nalgebra, serde"]);
+    }
+
+    #[test]
+    fn zenoh_outside_the_bus_is_found() {
+        let found = after("orchestrator/src/x.rs", "//! Something that talks.\nuse zenoh::Session;\n");
+        assert_eq!(found, ["orchestrator/src/x.rs:2: zenoh outside orchestrator/src/bus"]);
+    }
+
+    #[test]
+    fn a_scenario_without_a_golden_trace_is_found() {
+        let found = after("scenarios/b.scn", "");
+        assert_eq!(found.len(), 1);
+        assert!(found[0].starts_with("scenarios/b.scn: no golden trace "), "{found:?}");
+    }
+}
