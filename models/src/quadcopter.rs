@@ -1,0 +1,124 @@
+//! A quadcopter in wind: rigid body, four rotors with lag, ground effect, drag and ground contact.
+//!
+//! ```text
+//! ω_i'  = (ω_cmd,i - ω_i) / τ_m             motors                                   rotor.rs: thrust
+//! m v'  = R Σ P_i - f - m g                 Geng & Chulin (2016), eqs. 8, 9, 11      dynamics.rs
+//! I ω'  = Σ r_i × P_i + M - ω × I ω         Geng & Chulin (2016), eqs. 12, 13        dynamics.rs
+//! q'    = ½ q ∘ (0, ω)                      in place of Geng & Chulin (2016), eq. 14
+//! ```
+//!
+//! | Symbol | Here                | Unit   | Meaning                                                             |
+//! |--------|---------------------|--------|---------------------------------------------------------------------|
+//! | ω_i    | `rotor_speed_rad_s` | rad/s  | speed of rotor i: 1 right, 2 front, 3 left, 4 rear                  |
+//! | q      | `body.attitude`     | 1      | body to world                                                       |
+//! | v      | `body.velocity_…`   | m/s    | over the ground, world axes                                         |
+//! | ω      | `body.rate_…`       | rad/s  | body axes                                                           |
+//! | τ_m    | parameter           | s      | time constant of a motor                                            |
+//!
+//! Frame: ours (see the crate's first page). Classical Runge-Kutta steps of at most [`INNER_STEP_S`]; inputs are held.
+//! A unit quaternion is integrated because the Euler angles of eq. 14 are singular at 90° and because the equation is
+//! printed with a division by `cos γ` where `cos θ` is meant; its angles are those of [`State::roll_pitch_yaw_rad`].
+//! Valid while the rotors work in air that they blow downwards: no vortex ring, no in-plane rotor force.
+//! Source: Geng & Chulin (2016), eqs. 1–14; airframe of Bouabdallah (2007).
+
+mod contact;
+mod dynamics;
+mod ground_effect;
+mod ground_turbulence;
+mod parameters;
+mod rotor;
+
+#[cfg(test)]
+mod conservation_tests;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::{stepping, vehicle};
+use dynamics::Plant;
+
+pub use ground_turbulence::GroundTurbulence;
+pub use parameters::{Parameters, RotorModel};
+
+/// Longest inner step of the integration.
+pub const INNER_STEP_S: f64 = 0.0025;
+
+/// What acts on the quadcopter from outside, held over a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inputs {
+    /// Commanded rotor speeds; limited to what the motors can turn.
+    pub rotor_command_rad_s: [f64; 4],
+    /// Velocity of the air over the ground, world axes.
+    pub wind_world_m_s: Vector3<f64>,
+    /// What is left of each rotor's thrust and drag torque: 1 healthy, 0 lost. The rotor still turns and still has its
+    /// inertia.
+    pub effectiveness: [f64; 4],
+}
+
+/// All that the next step starts from.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// The rigid body.
+    pub body: vehicle::State,
+    /// Rotor speeds: right, front, left, rear.
+    pub rotor_speed_rad_s: [f64; 4],
+}
+
+impl State {
+    /// Starts level, without rotation, its rotors at hover speed if `airborne` and idling at their least speed if not.
+    #[must_use]
+    pub fn start(
+        parameters: &Parameters,
+        position_m: Vector3<f64>,
+        velocity_world_m_s: Vector3<f64>,
+        yaw_rad: f64,
+        airborne: bool,
+    ) -> Self {
+        let speed = if airborne { parameters.hover_speed_rad_s() } else { parameters.rotor_speed_min_rad_s };
+        Self {
+            body: vehicle::State {
+                position_m,
+                attitude: UnitQuaternion::from_euler_angles(0.0, 0.0, yaw_rad),
+                velocity_world_m_s,
+                rate_body_rad_s: Vector3::zeros(),
+            },
+            rotor_speed_rad_s: [speed; 4],
+        }
+    }
+
+    /// Moves on by `duration_s` with the inputs held, in equal inner steps of at most [`INNER_STEP_S`].
+    pub fn step(
+        &mut self,
+        parameters: &Parameters,
+        inputs: &Inputs,
+        duration_s: f64,
+        turbulence: &mut GroundTurbulence,
+    ) {
+        let plant = Plant::new(parameters);
+        let (count, inner_s) = stepping::inner_steps(duration_s, INNER_STEP_S);
+        for _ in 0..count {
+            *self = plant.runge_kutta_step(self, inputs, turbulence.factors(), inner_s);
+            contact::settle(&mut self.body, inner_s);
+            turbulence.advance(inner_s);
+        }
+    }
+
+    /// Returns the sum of the rotors' thrusts in N for this state and these inputs.
+    #[must_use]
+    pub fn thrust_n(&self, parameters: &Parameters, inputs: &Inputs, turbulence: &GroundTurbulence) -> f64 {
+        Plant::new(parameters).thrusts_n(self, inputs, turbulence.factors()).iter().sum()
+    }
+
+    /// Returns roll, pitch and yaw in radians; pitch is positive nose down.
+    #[must_use]
+    pub fn roll_pitch_yaw_rad(&self) -> [f64; 3] {
+        let (roll, pitch, yaw) = self.body.attitude.euler_angles();
+        [roll, pitch, yaw]
+    }
+
+    /// Returns whether the vehicle stands on the ground.
+    #[must_use]
+    pub fn contact(&self) -> bool {
+        self.body.position_m.z <= 0.0
+    }
+}
