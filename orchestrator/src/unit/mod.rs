@@ -1,1 +1,7 @@
-//! To be written.
+//! Foreign units: their archives, their libraries, their instances, and the board that survives them.
+//!
+//! The importer's only unsafe code stands here. A number comes out of the step loop, crosses a function pointer in
+//! [`instance`], and arrives in `fmus/<unit>/src/lib.rs` or in anybody else's unit.
+#![allow(unsafe_code, reason = "libraries are foreign code, and the board is memory that another process maps")]
+
+pub mod board;

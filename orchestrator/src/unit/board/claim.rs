@@ -1,0 +1,67 @@
+//! How a claim stands, kept twice so that a process which dies while writing leaves the one before whole.
+
+use std::sync::atomic::{AtomicU64, Ordering, fence};
+
+/// Words of one claim: the number of times it was told, then two copies.
+pub(super) const CLAIM_WORDS: usize = 16;
+
+const COUNT_AT: usize = 0;
+const COPIES_AT: usize = 4;
+const COPY_WORDS: usize = 4;
+
+/// Reading gives up its wish for a copy that nobody wrote in the meantime after so many tries.
+const TRIES: usize = 100;
+
+/// How a claim stands so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClaimNote {
+    /// The verdict, coded by `claims`.
+    pub verdict: u8,
+    /// The margin in SI units, or ±∞.
+    pub margin: f64,
+    /// The tick of the worst point.
+    pub worst_tick: u64,
+    /// How many samples were judged.
+    pub tested: u64,
+}
+
+impl ClaimNote {
+    pub(super) fn store(&self, words: &[AtomicU64]) {
+        let count = words[COUNT_AT].load(Ordering::Relaxed).wrapping_add(1);
+        let copy = copy(words, count);
+        // Readers that see any of the stores below also see that the copy before last is gone.
+        fence(Ordering::Release);
+        copy[0].store(u64::from(self.verdict), Ordering::Relaxed);
+        copy[1].store(self.margin.to_bits(), Ordering::Relaxed);
+        copy[2].store(self.worst_tick, Ordering::Relaxed);
+        copy[3].store(self.tested, Ordering::Relaxed);
+        words[COUNT_AT].store(count, Ordering::Release);
+    }
+
+    pub(super) fn load(words: &[AtomicU64]) -> Option<Self> {
+        let mut told = None;
+        for _ in 0..TRIES {
+            let count = words[COUNT_AT].load(Ordering::Acquire);
+            if count == 0 {
+                return None;
+            }
+            let copy = copy(words, count).each_ref().map(|word| word.load(Ordering::Relaxed));
+            fence(Ordering::Acquire);
+            told = Some(Self {
+                verdict: u8::try_from(copy[0]).unwrap_or(u8::MAX),
+                margin: f64::from_bits(copy[1]),
+                worst_tick: copy[2],
+                tested: copy[3],
+            });
+            if words[COUNT_AT].load(Ordering::Relaxed) == count {
+                break;
+            }
+        }
+        told
+    }
+}
+
+fn copy(words: &[AtomicU64], count: u64) -> [&AtomicU64; COPY_WORDS] {
+    let at = COPIES_AT + if count % 2 == 0 { 0 } else { COPY_WORDS };
+    std::array::from_fn(|i| &words[at + i])
+}

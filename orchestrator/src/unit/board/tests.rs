@@ -1,0 +1,189 @@
+//! The board as its two processes use it, and as a broken one leaves it.
+
+use super::*;
+use crate::failure::Doing;
+use fmi2::calls::Call;
+use std::os::unix::fs::PermissionsExt;
+use std::thread;
+
+const LAYOUT: BoardLayout = BoardLayout { notes: 2, columns: 3, claims: 2 };
+
+/// A board in a file as its maker sees it, and as the process that opened it does.
+fn both_sides() -> (tempfile::TempDir, Board, Board) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("board");
+    let parent = Board::create(&path, &LAYOUT).unwrap();
+    let child = Board::open(&path).unwrap();
+    (folder, parent, child)
+}
+
+#[test]
+fn a_board_is_for_its_owner_only_and_never_made_over_a_file() {
+    let (folder, parent, child) = both_sides();
+    let path = folder.path().join("board");
+    assert_eq!(path.metadata().unwrap().permissions().mode() & 0o777, 0o600);
+    assert_eq!((parent.layout(), child.layout()), (&LAYOUT, &LAYOUT));
+    assert_eq!(Board::create(&path, &LAYOUT).unwrap_err().kind(), io::ErrorKind::AlreadyExists);
+}
+
+#[test]
+fn what_is_no_board_is_not_opened() {
+    let (folder, _parent, child) = both_sides();
+    let path = folder.path().join("board");
+    child.word(COLUMNS_AT).store(1 << 62, Ordering::Relaxed);
+    assert_eq!(Board::open(&path).unwrap_err().kind(), io::ErrorKind::InvalidData);
+    std::fs::write(folder.path().join("text"), "a text that is longer than a header\n".repeat(10)).unwrap();
+    assert!(Board::open(&folder.path().join("text")).unwrap_err().to_string().ends_with("text is no board"));
+    std::fs::write(folder.path().join("empty"), "").unwrap();
+    assert!(Board::open(&folder.path().join("empty")).is_err());
+}
+
+#[test]
+fn an_impossible_layout_is_an_error() {
+    for layout in [BoardLayout { columns: usize::MAX, ..LAYOUT }, BoardLayout { notes: usize::MAX / 8, ..LAYOUT }] {
+        assert_eq!(Board::private(&layout).unwrap_err().kind(), io::ErrorKind::InvalidInput);
+    }
+}
+
+#[test]
+fn a_note_tells_the_call_in_progress_and_nothing_between_calls() {
+    let (_folder, parent, child) = both_sides();
+    let (ours, theirs) = (child.note(1), parent.note(1));
+    assert_eq!(theirs.read(), None);
+    ours.enter(7, 300, Doing::Call(Call::DoStep));
+    let in_call = InCall { tick: 7, instance: 300, doing: Doing::Call(Call::DoStep), count: 1 };
+    assert_eq!(theirs.read(), Some(in_call));
+    assert_eq!(parent.note(0).read(), None);
+    ours.leave();
+    assert_eq!((theirs.read(), theirs.tick()), (None, 7));
+    ours.enter(8, 0, Doing::Load);
+    assert_eq!(theirs.read(), Some(InCall { tick: 8, instance: 0, doing: Doing::Load, count: 2 }));
+}
+
+#[test]
+fn a_note_outlives_the_board_that_gave_it() {
+    let note = Board::private(&LAYOUT).unwrap().note(0);
+    note.enter(1, 2, Doing::Load);
+    assert_eq!(note.read().map(|in_call| in_call.instance), Some(2));
+}
+
+#[test]
+fn rows_arrive_in_order_however_often_the_ring_goes_round() {
+    let (_folder, parent, child) = both_sides();
+    let rows = 5 * parent.places.row_capacity as u64 + 3;
+    thread::scope(|scope| {
+        scope.spawn(|| (0..rows).for_each(|tick| assert!(child.push_row(tick, &[tick, !tick, tick * 3]))));
+        let mut next = 0;
+        while next < rows {
+            parent.pop_rows(|tick, slots| {
+                assert_eq!((tick, slots), (next, [tick, !tick, tick * 3].as_slice()));
+                next += 1;
+            });
+        }
+    });
+    assert_eq!(parent.pop_rows(|_, _| unreachable!("all rows were read")), 0);
+}
+
+#[test]
+fn a_full_ring_keeps_what_it_has_when_the_reader_is_gone() {
+    let (_folder, parent, child) = both_sides();
+    let capacity = parent.places.row_capacity as u64;
+    child.abandon();
+    let pushed = (0..capacity + 5).filter(|&tick| child.push_row(tick, &[0; 3])).count();
+    assert_eq!(pushed as u64, capacity);
+    assert_eq!(parent.pop_rows(|_, _| ()), pushed);
+    assert!(child.push_row(99, &[0; 3]));
+}
+
+#[test]
+fn messages_of_several_threads_arrive_whole() {
+    let (_folder, parent, child) = both_sides();
+    const THREADS: u8 = 3;
+    const EACH: usize = 400;
+    let mut heard = Vec::new();
+    thread::scope(|scope| {
+        for thread in 0..THREADS {
+            let child = &child;
+            scope.spawn(move || {
+                for i in 0..EACH {
+                    assert!(child.push_message(&vec![thread; i * 17 % 9000]));
+                }
+            });
+        }
+        while heard.len() < EACH * usize::from(THREADS) {
+            parent.pop_messages(|message| heard.push(message.to_vec()));
+        }
+    });
+    for thread in 1..THREADS {
+        let of_thread = |message: &&Vec<u8>| message.first() == Some(&thread);
+        assert!(heard.iter().filter(of_thread).all(|message| message.iter().all(|&byte| byte == thread)));
+        let lengths: Vec<_> = heard.iter().filter(of_thread).map(Vec::len).collect();
+        let expected: Vec<_> = (0..EACH).map(|i| i * 17 % 9000).filter(|&length| length > 0).collect();
+        assert_eq!(lengths, expected);
+    }
+}
+
+#[test]
+fn a_message_that_no_ring_holds_is_refused_and_the_longest_passes() {
+    let (_folder, parent, child) = both_sides();
+    assert!(!child.push_message(&vec![1; Board::LONGEST_MESSAGE + 1]));
+    for round in 0..3 {
+        assert!(child.push_message(&vec![round; Board::LONGEST_MESSAGE]));
+        let mut length = 0;
+        assert_eq!(parent.pop_messages(|message| length = message.len()), 1);
+        assert_eq!(length, Board::LONGEST_MESSAGE);
+    }
+}
+
+#[test]
+fn a_claim_is_read_as_it_was_last_told_even_if_its_writer_died_in_the_middle() {
+    let (_folder, parent, child) = both_sides();
+    assert_eq!(parent.claim(1), None);
+    let first = ClaimNote { verdict: 1, margin: -0.25, worst_tick: 40, tested: 41 };
+    child.set_claim(1, &first);
+    assert_eq!(parent.claim(1), Some(first));
+    let second = ClaimNote { verdict: 2, margin: f64::INFINITY, ..first };
+    child.set_claim(1, &second);
+    assert_eq!(parent.claim(1), Some(second));
+    // The third is half written: the copy that is not the second's.
+    for word in &child.claim_words(1)[8..10] {
+        word.store(77, Ordering::Relaxed);
+    }
+    assert_eq!((parent.claim(0), parent.claim(1)), (None, Some(second)));
+}
+
+#[test]
+fn flags_cross_over() {
+    let (_folder, parent, child) = both_sides();
+    assert!(!child.stop_requested() && !parent.finished());
+    parent.request_stop();
+    child.set_tick(12);
+    child.finish();
+    assert!(child.stop_requested() && parent.finished());
+    assert_eq!(parent.tick(), 12);
+}
+
+proptest::proptest! {
+    #[test]
+    fn whatever_is_scribbled_over_a_board_its_reader_survives(
+        scribbles in proptest::collection::vec((0_usize..4096, 0_u64..), 1..40),
+        near_the_rings in proptest::collection::vec((0_usize..24, proptest::bool::ANY, 0_u64..200_000), 0..8),
+    ) {
+        let (_folder, parent, child) = both_sides();
+        child.push_message(b"before");
+        child.push_row(1, &[2, 3, 4]);
+        for (at, value) in scribbles {
+            child.word(at).store(value, Ordering::Relaxed);
+        }
+        for (at, of_messages, value) in near_the_rings {
+            let start = if of_messages { child.places.messages } else { child.places.rows };
+            child.word(start + at).store(value, Ordering::Relaxed);
+        }
+        for _ in 0..2 {
+            let rows = parent.pop_rows(|_, slots| assert_eq!(slots.len(), LAYOUT.columns));
+            assert!(rows <= parent.places.row_capacity);
+            parent.pop_messages(|message| assert!(message.len() <= Board::LONGEST_MESSAGE));
+            let _ = (parent.note(0).read(), parent.claim(0), parent.tick(), parent.finished());
+        }
+    }
+}
