@@ -2,9 +2,10 @@
 
 use crate::c::Status;
 use crate::description::{Causality, Initial, Variability};
+use serde::{Deserialize, Serialize};
 
 /// The functions of FMI 2.0 for co-simulation. The number of each is stable; a board may store it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Call {
     /// `fmi2GetTypesPlatform`: needs no instance.
