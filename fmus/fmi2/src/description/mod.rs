@@ -3,24 +3,29 @@
 //! The structure mirrors the schema of FMI 2.0.5 for co-simulation; names are the schema's in Rust's spelling. Whatever
 //! was read remembers where it stood, so that every finding has a line and a column.
 
+mod causality;
 pub mod check;
+mod finding;
 pub mod read;
+mod simple_type;
+mod structure;
+mod unit_definition;
+mod variable;
 pub mod write;
 
+pub use causality::{Causality, Initial, Variability, default_initial};
+pub use finding::{Finding, Position, Severity};
 use serde::{Deserialize, Serialize};
-
-/// A place in `modelDescription.xml`, counted from 1; `0:0` for what was never read from a file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub struct Position {
-    /// Line, from 1.
-    pub line: u32,
-    /// Column in characters, from 1.
-    pub column: u32,
-}
+pub use simple_type::{Item, RealAttributes, SimpleType, TypeKind};
+pub use structure::{DependencyKind, ModelStructure, Unknown};
+pub use unit_definition::{DisplayUnit, UnitDefinition};
+pub use variable::{BaseType, Kind, RealVariable, Variable};
 
 /// `fmiModelDescription`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ModelDescription {
+    /// Where the element stands.
+    pub position: Position,
     /// `fmiVersion`, `2.0`.
     pub fmi_version: String,
     /// `modelName`.
@@ -118,6 +123,17 @@ pub enum NamingConvention {
     Structured,
 }
 
+impl NamingConvention {
+    /// The schema's spelling.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Flat => "flat",
+            Self::Structured => "structured",
+        }
+    }
+}
+
 /// `CoSimulation`: identifier and capability flags.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CoSimulation {
@@ -149,103 +165,11 @@ pub struct CoSimulation {
     pub source_files: Vec<String>,
 }
 
-/// `Unit` with its `BaseUnit` and `DisplayUnit`s.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct UnitDefinition {
-    /// Where the element stands.
-    pub position: Position,
-    /// `name`.
-    pub name: String,
-    /// `BaseUnit`; absent means that nothing is known but the name.
-    pub base: Option<crate::units::BaseUnit>,
-    /// `DisplayUnit`s.
-    pub display_units: Vec<DisplayUnit>,
-}
-
-/// `DisplayUnit`: `display = factor * value + offset`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct DisplayUnit {
-    /// `name`.
-    pub name: String,
-    /// `factor`, 1 unless given.
-    pub factor: f64,
-    /// `offset`, 0 unless given.
-    pub offset: f64,
-}
-
-/// `SimpleType`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SimpleType {
-    /// Where the element stands.
-    pub position: Position,
-    /// `name`.
-    pub name: String,
-    /// `description`.
-    pub description: Option<String>,
-    /// The one child element.
-    pub kind: TypeKind,
-}
-
-/// The child element of a `SimpleType`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum TypeKind {
-    /// `Real`
-    Real(RealAttributes),
-    /// `Integer`
-    Integer {
-        /// `min`
-        min: Option<i32>,
-        /// `max`
-        max: Option<i32>,
-    },
-    /// `Boolean`
-    Boolean,
-    /// `String`
-    String,
-    /// `Enumeration`
-    Enumeration {
-        /// `quantity`
-        quantity: Option<String>,
-        /// `Item`s, in the file's order.
-        items: Vec<Item>,
-    },
-}
-
-/// `Item` of an enumeration type.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Item {
-    /// `name`
-    pub name: String,
-    /// `value`, unique in its type.
-    pub value: i32,
-    /// `description`
-    pub description: Option<String>,
-}
-
-/// The attributes that a Real type and a Real variable share.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct RealAttributes {
-    /// `quantity`
-    pub quantity: Option<String>,
-    /// `unit`
-    pub unit: Option<String>,
-    /// `displayUnit`
-    pub display_unit: Option<String>,
-    /// `relativeQuantity`
-    pub relative_quantity: bool,
-    /// `min`
-    pub min: Option<f64>,
-    /// `max`
-    pub max: Option<f64>,
-    /// `nominal`
-    pub nominal: Option<f64>,
-    /// `unbounded`
-    pub unbounded: bool,
-}
-
 /// `Category` of `LogCategories`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LogCategory {
+    /// Where the element stands.
+    pub position: Position,
     /// `name`
     pub name: String,
     /// `description`
@@ -255,6 +179,8 @@ pub struct LogCategory {
 /// `DefaultExperiment`, in seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DefaultExperiment {
+    /// Where the element stands.
+    pub position: Position,
     /// `startTime`
     pub start_time: Option<f64>,
     /// `stopTime`
@@ -263,253 +189,4 @@ pub struct DefaultExperiment {
     pub tolerance: Option<f64>,
     /// `stepSize`
     pub step_size: Option<f64>,
-}
-
-/// `ScalarVariable`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Variable {
-    /// Where the element stands.
-    pub position: Position,
-    /// `name`
-    pub name: String,
-    /// `valueReference`: the handle in get and set calls, unique with the base type.
-    pub value_reference: u32,
-    /// `description`
-    pub description: Option<String>,
-    /// `causality`
-    pub causality: Causality,
-    /// `variability`
-    pub variability: Variability,
-    /// `initial` as written; [`Variable::initial_or_default`] adds the standard's defaults.
-    pub initial: Option<Initial>,
-    /// `declaredType` of the child element.
-    pub declared_type: Option<String>,
-    /// The child element.
-    pub kind: Kind,
-}
-
-/// The child element of a `ScalarVariable`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Kind {
-    /// `Real`; `start` stands in [`RealVariable`].
-    Real(RealVariable),
-    /// `Integer`
-    Integer {
-        /// `start`
-        start: Option<i32>,
-        /// `min`
-        min: Option<i32>,
-        /// `max`
-        max: Option<i32>,
-    },
-    /// `Boolean`
-    Boolean {
-        /// `start`
-        start: Option<bool>,
-    },
-    /// `String`
-    String {
-        /// `start`
-        start: Option<String>,
-    },
-    /// `Enumeration`; `declaredType` is mandatory.
-    Enumeration {
-        /// `start`
-        start: Option<i32>,
-        /// `min`
-        min: Option<i32>,
-        /// `max`
-        max: Option<i32>,
-    },
-}
-
-/// `Real` of a `ScalarVariable`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct RealVariable {
-    /// `start`
-    pub start: Option<f64>,
-    /// `derivative`: 0-based index of the variable whose derivative this is (1-based in the file).
-    pub derivative: Option<usize>,
-    /// `reinit`
-    pub reinit: bool,
-    /// What a type may declare too; the variable's own value counts first.
-    pub attributes: RealAttributes,
-}
-
-impl std::ops::Deref for RealVariable {
-    type Target = RealAttributes;
-    fn deref(&self) -> &RealAttributes {
-        &self.attributes
-    }
-}
-
-/// The base types that get and set calls distinguish; Enumeration travels as Integer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub enum BaseType {
-    /// `fmi2Real`
-    Real,
-    /// `fmi2Integer`, also of enumerations
-    Integer,
-    /// `fmi2Boolean`
-    Boolean,
-    /// `fmi2String`
-    String,
-}
-
-impl Variable {
-    /// Which get and set calls the variable travels by.
-    #[must_use]
-    pub fn base_type(&self) -> BaseType {
-        match self.kind {
-            Kind::Real(_) => BaseType::Real,
-            Kind::Integer { .. } | Kind::Enumeration { .. } => BaseType::Integer,
-            Kind::Boolean { .. } => BaseType::Boolean,
-            Kind::String { .. } => BaseType::String,
-        }
-    }
-
-    /// Whether a start value is written.
-    #[must_use]
-    pub fn has_start(&self) -> bool {
-        match &self.kind {
-            Kind::Real(real) => real.start.is_some(),
-            Kind::Integer { start, .. } | Kind::Enumeration { start, .. } => start.is_some(),
-            Kind::Boolean { start } => start.is_some(),
-            Kind::String { start } => start.is_some(),
-        }
-    }
-
-    /// `initial`, with the standard's default for the causality and variability where none is written (table of 2.2.7).
-    #[must_use]
-    pub fn initial_or_default(&self) -> Option<Initial> {
-        self.initial.or_else(|| default_initial(self.causality, self.variability))
-    }
-}
-
-/// The default of `initial` in the table of section 2.2.7; `None` for inputs, the independent variable and pairs that the table forbids.
-#[must_use]
-pub fn default_initial(causality: Causality, variability: Variability) -> Option<Initial> {
-    use {Causality as C, Variability as V};
-    match (causality, variability) {
-        (C::Parameter, V::Fixed | V::Tunable) | (C::Output | C::Local, V::Constant) => Some(Initial::Exact),
-        (C::CalculatedParameter, V::Fixed | V::Tunable)
-        | (C::Output, V::Discrete | V::Continuous)
-        | (C::Local, V::Fixed | V::Tunable | V::Discrete | V::Continuous) => Some(Initial::Calculated),
-        _ => None,
-    }
-}
-
-/// `causality`
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub enum Causality {
-    /// `parameter`
-    Parameter,
-    /// `calculatedParameter`
-    CalculatedParameter,
-    /// `input`
-    Input,
-    /// `output`
-    Output,
-    /// `local`, the schema's default
-    #[default]
-    Local,
-    /// `independent`
-    Independent,
-}
-
-impl Causality {
-    /// The schema's spelling.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Parameter => "parameter",
-            Self::CalculatedParameter => "calculatedParameter",
-            Self::Input => "input",
-            Self::Output => "output",
-            Self::Local => "local",
-            Self::Independent => "independent",
-        }
-    }
-}
-
-/// `variability`
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub enum Variability {
-    /// `constant`
-    Constant,
-    /// `fixed`
-    Fixed,
-    /// `tunable`
-    Tunable,
-    /// `discrete`
-    Discrete,
-    /// `continuous`, the schema's default
-    #[default]
-    Continuous,
-}
-
-impl Variability {
-    /// The schema's spelling.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Constant => "constant",
-            Self::Fixed => "fixed",
-            Self::Tunable => "tunable",
-            Self::Discrete => "discrete",
-            Self::Continuous => "continuous",
-        }
-    }
-}
-
-/// `initial`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Initial {
-    /// `exact`
-    Exact,
-    /// `approx`
-    Approx,
-    /// `calculated`
-    Calculated,
-}
-
-/// `ModelStructure`; indices count from 0 into [`ModelDescription::variables`].
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ModelStructure {
-    /// Where the element stands.
-    pub position: Position,
-    /// `Outputs`
-    pub outputs: Vec<Unknown>,
-    /// `Derivatives`
-    pub derivatives: Vec<Unknown>,
-    /// `InitialUnknowns`
-    pub initial_unknowns: Vec<Unknown>,
-}
-
-/// `Unknown`
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Unknown {
-    /// Where the element stands.
-    pub position: Position,
-    /// The variable; `usize::MAX` stands for an index of 0 in the file, which the checker reports.
-    pub index: usize,
-    /// `dependencies`: `None` (absent) means on everything, an empty list on nothing.
-    pub dependencies: Option<Vec<usize>>,
-    /// `dependenciesKind`, as many as dependencies.
-    pub dependencies_kind: Option<Vec<DependencyKind>>,
-}
-
-/// One entry of `dependenciesKind`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum DependencyKind {
-    /// `dependent`
-    Dependent,
-    /// `constant`
-    Constant,
-    /// `fixed`
-    Fixed,
-    /// `tunable`
-    Tunable,
-    /// `discrete`
-    Discrete,
 }

@@ -1,1 +1,69 @@
-//! To be written.
+//! Reads `modelDescription.xml` from bytes: whatever can be understood is, and everything odd becomes a finding.
+//!
+//! Neither the parser nor this reader recurses, so nesting needs no limit; document type definitions and with them
+//! entities are refused.
+
+mod element;
+mod encoding;
+mod header;
+mod structure;
+mod types;
+mod variable;
+
+use element::{Element, Source};
+
+use super::{Finding, ModelDescription, Position};
+
+/// The largest file that is read, in bytes.
+pub const MAX_BYTES: usize = 64 << 20;
+/// The largest number of elements, texts and comments in a file.
+pub const MAX_NODES: u32 = 4_000_000;
+
+/// Reads a description and says what was odd about it; [`check`](super::check::check) then judges what it means.
+///
+/// # Errors
+/// One finding that says why nothing could be read: too large, an unknown encoding, no XML, or not FMI 2.0.
+pub fn read(bytes: &[u8]) -> Result<(ModelDescription, Vec<Finding>), Finding> {
+    if bytes.len() > MAX_BYTES {
+        let message = format!("the file has {} bytes; at most {MAX_BYTES} are read", bytes.len());
+        return Err(Finding::error("XML", Position::default(), message));
+    }
+    let (text, odd_encoding) = encoding::decode(bytes)?;
+    let options = roxmltree::ParsingOptions { allow_dtd: false, nodes_limit: MAX_NODES, ..Default::default() };
+    let document = roxmltree::Document::parse_with_options(&text, options).map_err(|error| not_xml(&error))?;
+    let source = Source::new(&text);
+    source.extend(odd_encoding);
+    let root = Element::new(document.root_element(), &source);
+    if root.name() != "fmiModelDescription" {
+        let message = format!("the root element is `{}`; expected `fmiModelDescription`", root.name());
+        return Err(Finding::error("2.2.1", root.position(), message));
+    }
+    match root.attribute("fmiVersion") {
+        Some(version) if !version.trim().starts_with('2') => {
+            let message = format!("the unit is made for FMI {version}; expected FMI 2.0");
+            return Err(Finding::error("2.2.1", root.position(), message));
+        }
+        _ => {}
+    }
+    let model = header::model_description(&root);
+    Ok((model, source.into_findings()))
+}
+
+/// What the XML parser says, without the position that the finding has of its own.
+fn not_xml(error: &roxmltree::Error) -> Finding {
+    let at = error.pos();
+    let message = match error {
+        roxmltree::Error::DtdDetected => {
+            "a document type definition is refused: it could pull in other files".to_owned()
+        }
+        roxmltree::Error::NodesLimitReached => format!("the file has more than {MAX_NODES} elements and texts"),
+        other => {
+            let said = other.to_string();
+            said.strip_suffix(&format!(" at {}:{}", at.row, at.col)).map_or(said.clone(), str::to_owned)
+        }
+    };
+    Finding::error("XML", Position { line: at.row, column: at.col }, message)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,255 @@
+//! One element of the file with its attributes as typed values; what cannot be read becomes a finding.
+
+use std::cell::{Cell, RefCell};
+use std::str::FromStr;
+
+use crate::description::{Finding, Position};
+
+/// More findings than this are left out: a file that is wrong everywhere is wrong in one way.
+const MAX_FINDINGS: usize = 1000;
+
+/// The text being read, and what was found.
+pub(super) struct Source<'a> {
+    text: &'a str,
+    /// The last place asked for: elements are visited in the file's order, so the next place is near.
+    last: Cell<(usize, Position)>,
+    findings: RefCell<Vec<Finding>>,
+}
+
+impl<'a> Source<'a> {
+    pub(super) fn new(text: &'a str) -> Self {
+        let last = Cell::new((0, Position { line: 1, column: 1 }));
+        Self { text, last, findings: RefCell::default() }
+    }
+
+    pub(super) fn extend(&self, findings: impl IntoIterator<Item = Finding>) {
+        let mut all = self.findings.borrow_mut();
+        for finding in findings {
+            if all.len() < MAX_FINDINGS {
+                all.push(finding);
+            } else if all.len() == MAX_FINDINGS {
+                all.push(Finding::error("XML", finding.position, "further findings are left out"));
+            }
+        }
+    }
+
+    pub(super) fn into_findings(self) -> Vec<Finding> {
+        self.findings.into_inner()
+    }
+
+    fn place(&self, byte: usize) -> Position {
+        let (from, mut position) = match self.last.get() {
+            last if last.0 <= byte => last,
+            _ => (0, Position { line: 1, column: 1 }),
+        };
+        for letter in self.text.get(from..byte).unwrap_or_default().chars() {
+            if letter == '\n' {
+                position = Position { line: position.line + 1, column: 1 };
+            } else {
+                position.column = position.column.saturating_add(1);
+            }
+        }
+        self.last.set((byte, position));
+        position
+    }
+}
+
+/// One element.
+#[derive(Clone, Copy)]
+pub(super) struct Element<'a> {
+    node: roxmltree::Node<'a, 'a>,
+    source: &'a Source<'a>,
+    position: Position,
+}
+
+impl<'a> Element<'a> {
+    pub(super) fn new(node: roxmltree::Node<'a, 'a>, source: &'a Source<'a>) -> Self {
+        Self { node, source, position: source.place(node.range().start) }
+    }
+
+    pub(super) fn name(&self) -> &'a str {
+        self.node.tag_name().name()
+    }
+
+    pub(super) fn position(&self) -> Position {
+        self.position
+    }
+
+    /// The child elements, in the file's order.
+    pub(super) fn children(&self) -> impl Iterator<Item = Self> + use<'a> {
+        let source = self.source;
+        self.node.children().filter(roxmltree::Node::is_element).map(move |node| Self::new(node, source))
+    }
+
+    /// What `read` makes of the child elements of this name, one after the other; others are reported as unknown, and so is a
+    /// list without any.
+    pub(super) fn items<T>(&self, rule: &'static str, name: &str, read: impl Fn(&Self) -> Option<T>) -> Vec<T> {
+        let (mut items, mut empty) = (Vec::new(), true);
+        for child in self.children() {
+            if child.name() == name {
+                items.extend(read(&child));
+                empty = false;
+            } else {
+                child.unknown(rule, self.name());
+            }
+        }
+        if empty {
+            self.error(rule, format!("`{}` is empty; a list without a `{name}` must be left out", self.name()));
+        }
+        items
+    }
+
+    /// Reports the element as unknown inside `parent`.
+    pub(super) fn unknown(&self, rule: &'static str, parent: &str) {
+        self.warning(rule, format!("`{parent}` has no element `{}` in FMI 2.0; it is ignored", self.name()));
+    }
+
+    /// Reports attributes outside this list; those of other namespaces belong to tools.
+    pub(super) fn expect_attributes(&self, rule: &'static str, known: &[&str]) {
+        for attribute in self.node.attributes() {
+            if attribute.namespace().is_none() && !known.contains(&attribute.name()) {
+                let message = format!("`{}` has no attribute `{}` in FMI 2.0", self.name(), attribute.name());
+                let position = self.source.place(attribute.range().start);
+                self.source.extend([Finding::warning(rule, position, format!("{message}; it is ignored"))]);
+            }
+        }
+    }
+
+    pub(super) fn error(&self, rule: &'static str, message: String) {
+        self.source.extend([Finding::error(rule, self.position, message)]);
+    }
+
+    pub(super) fn warning(&self, rule: &'static str, message: String) {
+        self.source.extend([Finding::warning(rule, self.position, message)]);
+    }
+
+    /// An error at the attribute.
+    fn attribute_error(&self, rule: &'static str, name: &str, message: String) {
+        let place = self.node.attribute_node(name).map(|attribute| self.source.place(attribute.range().start));
+        self.source.extend([Finding::error(rule, place.unwrap_or(self.position), message)]);
+    }
+
+    /// The attribute as written.
+    pub(super) fn attribute(&self, name: &str) -> Option<&'a str> {
+        self.node.attribute(name)
+    }
+
+    /// The attribute, if it is there.
+    pub(super) fn text(&self, name: &str) -> Option<String> {
+        self.attribute(name).map(str::to_owned)
+    }
+
+    /// The attribute, empty if it is missing; the checker reports names that are empty.
+    pub(super) fn text_or_empty(&self, name: &str) -> String {
+        self.text(name).unwrap_or_default()
+    }
+
+    /// Reports that a mandatory attribute is missing.
+    pub(super) fn missing(&self, rule: &'static str, name: &str) {
+        self.error(rule, format!("`{}` has no attribute `{name}`, which is mandatory", self.name()));
+    }
+
+    /// The attribute as a number; what is none is reported with what was expected.
+    pub(super) fn number<T: Number>(&self, rule: &'static str, name: &str) -> Option<T> {
+        let written = self.attribute(name)?;
+        let number = T::read(written.trim());
+        if number.is_none() {
+            let hint = if written.contains(',') { "; decimals have a point" } else { "" };
+            self.attribute_error(rule, name, format!("`{name}=\"{written}\"`: expected {}{hint}", T::EXPECTED));
+        }
+        number
+    }
+
+    /// The attribute as a Boolean, in any capitals; `None` if it is missing or none.
+    pub(super) fn boolean(&self, rule: &'static str, name: &str) -> Option<bool> {
+        let written = self.attribute(name)?;
+        let value = match written.trim() {
+            "true" | "1" => return Some(true),
+            "false" | "0" => return Some(false),
+            other if other.eq_ignore_ascii_case("true") => Some(true),
+            other if other.eq_ignore_ascii_case("false") => Some(false),
+            _ => None,
+        };
+        self.attribute_error(rule, name, format!("`{name}=\"{written}\"`: expected true, false, 1 or 0"));
+        value
+    }
+
+    /// The attribute as one of several words; `None` if it is missing or another one.
+    pub(super) fn choice<T: Copy>(
+        &self,
+        rule: &'static str,
+        name: &str,
+        of: &[T],
+        word: fn(T) -> &'static str,
+    ) -> Option<T> {
+        let written = self.attribute(name)?;
+        let found = of.iter().copied().find(|&choice| word(choice) == written.trim());
+        if found.is_none() {
+            let words: Vec<_> = of.iter().map(|&choice| word(choice)).collect();
+            let message = format!("`{name}=\"{written}\"`: expected one of {}", words.join(", "));
+            self.attribute_error(rule, name, message);
+        }
+        found
+    }
+
+    /// The attribute as a list of words between blanks, each read by `read`; one that cannot be read is reported and makes the
+    /// whole list `None`, as if it were missing.
+    pub(super) fn list<T>(
+        &self,
+        rule: &'static str,
+        name: &str,
+        expected: &str,
+        read: impl Fn(&str) -> Option<T>,
+    ) -> Option<Vec<T>> {
+        let mut values = Vec::new();
+        for word in self.attribute(name)?.split_whitespace() {
+            let Some(value) = read(word) else {
+                self.attribute_error(rule, name, format!("`{word}` in `{name}`: expected {expected}"));
+                return None;
+            };
+            values.push(value);
+        }
+        Some(values)
+    }
+}
+
+/// A type of number in the schema.
+pub(super) trait Number: Sized {
+    /// What a reader should have written.
+    const EXPECTED: &'static str;
+    fn read(text: &str) -> Option<Self>;
+}
+
+impl Number for f64 {
+    const EXPECTED: &'static str = "a number";
+    /// `INF` and `NaN` are readable; the checker refuses them where they stand.
+    fn read(text: &str) -> Option<Self> {
+        Self::from_str(text).ok()
+    }
+}
+
+impl Number for i32 {
+    const EXPECTED: &'static str = "a whole number from -2147483648 to 2147483647";
+    fn read(text: &str) -> Option<Self> {
+        Self::from_str(text).ok()
+    }
+}
+
+impl Number for u32 {
+    const EXPECTED: &'static str = "a whole number from 0 to 4294967295";
+    fn read(text: &str) -> Option<Self> {
+        Self::from_str(text).ok()
+    }
+}
+
+impl Number for i8 {
+    const EXPECTED: &'static str = "a whole number from -128 to 127";
+    fn read(text: &str) -> Option<Self> {
+        Self::from_str(text).ok()
+    }
+}
+
+/// The place in a list that counts from 0, of an index that counts from 1; 0 becomes `usize::MAX`, which the checker reports.
+pub(super) fn from_one(index: u32) -> usize {
+    index.checked_sub(1).map_or(usize::MAX, |index| index as usize)
+}
