@@ -21,6 +21,7 @@ pub mod stepping;
 pub mod vehicle;
 
 pub mod quadcopter;
+pub mod quadcopter_controller;
 pub mod trajectory;
 pub mod wind;
 
