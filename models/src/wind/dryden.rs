@@ -19,7 +19,7 @@
 //! | σ, L     | [`Scales`]      | m/s, m | intensities and lengths                                            |
 //! | V Δ      | `passed_m`      | m    | how much of the field passes by in one sample                        |
 //! | y₁, y₂   | `lateral`, `vertical` | 1 | filter states of v and of w                                        |
-//! | q, l     | [`Lateral`]     | 1    | covariance of what one sample adds, its lower Cholesky factor        |
+//! | q, l     | `Lateral`       | 1    | covariance of what one sample adds, its lower Cholesky factor        |
 //!
 //! Frame: u along the mean wind, v to its left, w up. Valid from 3 to 305 m. MIL-HDBK-1797 (1997) halves L_v and L_w and
 //! writes 2L in its filters: the same spectra. A sample draws for u, v (two) and w (two), in this order; so does the
