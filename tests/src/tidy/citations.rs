@@ -24,7 +24,7 @@ fn citations(line: &str) -> Vec<String> {
         let year = line[at + 1..].get(..5).filter(|year| year.ends_with([')', ','])).map(|year| &year[..4]);
         let Some(year) = year.filter(|year| year.bytes().all(|byte| byte.is_ascii_digit())) else { continue };
         let is_name = |word: &&str| {
-            let plain = word.chars().all(|c| c.is_alphanumeric() || c == '-');
+            let plain = word.len() > 1 && word.chars().all(|c| c.is_alphanumeric() || c == '-');
             *word == "&" || (plain && word.starts_with(char::is_uppercase))
         };
         let mut names: Vec<_> = line[..at].split_whitespace().rev().take_while(is_name).collect();

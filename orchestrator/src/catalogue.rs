@@ -1,0 +1,158 @@
+//! Finds the units that a script names, and builds those of the user's own workspace that are stale.
+//!
+//! A name that ends in `.fmu` is a path beside the script. Any other name is looked up in the folders of `--units`, then
+//! among the unit crates of the cargo workspace that the user's current folder is in. Nothing else is ever built.
+
+use dsl::resolve::UnitProblem;
+use pack::{UnitCrate, Workspace};
+use std::path::{Path, PathBuf};
+
+/// Where units are looked for.
+#[derive(Debug)]
+pub struct Catalogue {
+    folders: Vec<PathBuf>,
+    workspace: Option<Workspace>,
+    build: bool,
+}
+
+/// A unit that can be run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// Its name in scripts.
+    pub name: String,
+    /// Where it comes from.
+    pub origin: Origin,
+}
+
+/// Where a unit comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// A packed file.
+    Archive(PathBuf),
+    /// A crate of the workspace.
+    Crate(UnitCrate),
+}
+
+impl Catalogue {
+    /// Looks at the workspace around `current`; `build` is false for `--no-build`.
+    ///
+    /// # Errors
+    /// If a `Cargo.toml` of that workspace cannot be read.
+    pub fn new(folders: Vec<PathBuf>, current: &Path, build: bool) -> Result<Self, pack::PackError> {
+        Ok(Self { folders, workspace: Workspace::around(current)?, build })
+    }
+
+    /// All units that bare names can mean, sorted by name; a folder of `--units` comes before the workspace.
+    #[must_use]
+    pub fn entries(&self) -> Vec<Entry> {
+        let packed = self.folders.iter().flat_map(|folder| archives_in(folder));
+        let crates = self.workspace.iter().flat_map(|workspace| &workspace.units);
+        let crates = crates.map(|unit| Entry { name: unit.name.clone(), origin: Origin::Crate(unit.clone()) });
+        let mut entries: Vec<_> = packed.chain(crates).collect();
+        entries.sort_by(|a, b| a.name.cmp(&b.name));
+        entries.dedup_by(|later, first| later.name == first.name);
+        entries
+    }
+
+    /// The archive that a script in `folder` means by `name`, built first if it is stale.
+    ///
+    /// # Errors
+    /// Says why there is none, with the nearest names.
+    pub fn find(&self, name: &str, folder: &Path) -> Result<PathBuf, UnitProblem> {
+        if name.ends_with(".fmu") {
+            let path = folder.join(name);
+            return if path.is_file() { Ok(path) } else { Err(no_file(name, &path)) };
+        }
+        match self.entries().into_iter().find(|entry| entry.name == name) {
+            Some(Entry { origin: Origin::Archive(path), .. }) => Ok(path),
+            Some(Entry { origin: Origin::Crate(unit), .. }) => self.built(&unit),
+            None => Err(self.unknown(name)),
+        }
+    }
+
+    fn built(&self, unit: &UnitCrate) -> Result<PathBuf, UnitProblem> {
+        let archive = unit.archive();
+        if !pack::is_stale(unit, &archive) {
+            return Ok(archive);
+        }
+        if !self.build {
+            let message = format!("unit `{}` is not built, or older than its sources", unit.name);
+            let help = format!("leave out --no-build, or run: lockstep pack {}", unit.name);
+            return Err(UnitProblem { message, help: Some(help) });
+        }
+        crate::report::status(&format!("building unit `{}`", unit.name));
+        pack::pack(unit, &crate::unit::describe_library, &archive)
+            .map_err(|error| UnitProblem { message: error.to_string(), help: None })
+    }
+
+    fn unknown(&self, name: &str) -> UnitProblem {
+        let entries = self.entries();
+        let names = entries.iter().map(|entry| entry.name.as_str());
+        let help = match dsl::resolve::nearest(name, names) {
+            Some(near) => format!("did you mean `{near}`? All units: lockstep describe"),
+            None if entries.is_empty() => {
+                "name a file, \"my_unit.fmu\", or a folder of them, --units DIR; here is no cargo workspace with units"
+                    .to_owned()
+            }
+            None => format!("{} units are here: lockstep describe", entries.len()),
+        };
+        UnitProblem { message: format!("there is no unit `{name}`"), help: Some(help) }
+    }
+}
+
+fn no_file(name: &str, path: &Path) -> UnitProblem {
+    let near = archives_in(path.parent().unwrap_or(Path::new(".")));
+    let names: Vec<_> = near.iter().map(|entry| format!("{}.fmu", entry.name)).collect();
+    let wanted = Path::new(name).file_name().map(|file| file.to_string_lossy().into_owned()).unwrap_or_default();
+    let help = dsl::resolve::nearest(&wanted, names.iter().map(String::as_str)).map_or_else(
+        || "paths are relative to the script".to_owned(),
+        |near| format!("paths are relative to the script; did you mean `{near}`?"),
+    );
+    UnitProblem { message: format!("there is no file `{}`", path.display()), help: Some(help) }
+}
+
+fn archives_in(folder: &Path) -> Vec<Entry> {
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let archives = files.filter(|path| path.extension().is_some_and(|extension| extension == "fmu"));
+    let mut entries: Vec<_> = archives
+        .filter_map(|path| Some(Entry { name: path.file_stem()?.to_str()?.to_owned(), origin: Origin::Archive(path) }))
+        .collect();
+    entries.sort_by(|a, b| a.name.cmp(&b.name));
+    entries
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_is_relative_to_the_script() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("tank.fmu"), "").unwrap();
+        let catalogue = Catalogue::new(Vec::new(), folder.path(), false).unwrap();
+        assert_eq!(catalogue.find("tank.fmu", folder.path()).unwrap(), folder.path().join("tank.fmu"));
+        let problem = catalogue.find("tamk.fmu", folder.path()).unwrap_err();
+        assert_eq!(problem.help.as_deref(), Some("paths are relative to the script; did you mean `tank.fmu`?"));
+    }
+
+    #[test]
+    fn a_folder_of_units_comes_before_the_workspace() {
+        let root = tempfile::tempdir().unwrap();
+        std::fs::write(root.path().join("Cargo.toml"), "[package]\nname = \"tank\"\n[package.metadata.fmu]\n").unwrap();
+        std::fs::create_dir(root.path().join("packed")).unwrap();
+        let packed = root.path().join("packed/tank.fmu");
+        std::fs::write(&packed, "").unwrap();
+        let catalogue = Catalogue::new(vec![root.path().join("packed")], root.path(), false).unwrap();
+        assert_eq!(catalogue.entries().len(), 1);
+        assert_eq!(catalogue.find("tank", root.path()).unwrap(), packed);
+    }
+
+    #[test]
+    fn no_build_says_what_to_run() {
+        let root = tempfile::tempdir().unwrap();
+        std::fs::write(root.path().join("Cargo.toml"), "[package]\nname = \"tank\"\n[package.metadata.fmu]\n").unwrap();
+        let catalogue = Catalogue::new(Vec::new(), root.path(), false).unwrap();
+        let problem = catalogue.find("tank", root.path()).unwrap_err();
+        assert_eq!(problem.help.as_deref(), Some("leave out --no-build, or run: lockstep pack tank"));
+    }
+}

@@ -1,0 +1,188 @@
+//! Pictures of a run: paths in space and signals over time, as one SVG.
+
+mod paths;
+mod scale;
+mod series;
+mod svg;
+
+use crate::trace::table::{ColumnNote, Table};
+use paths::{Mark, Path};
+use series::{Curve, Panel};
+use std::fmt;
+use svg::Picture;
+
+const WIDTH: f64 = 960.0;
+/// Without a choice of signals a picture has at most this many panels.
+const DEFAULT_PANELS: usize = 4;
+
+/// What to draw.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Selection {
+    /// Names of columns or groups; a position group becomes a path, anything else a panel. Empty: all paths and the
+    /// first few groups.
+    pub signals: Vec<String>,
+    /// An Integer or Boolean column at whose changes the first path is marked with letters.
+    pub mark: Option<String>,
+}
+
+/// Why there is no picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PlotError {
+    /// No column or group has this name.
+    Unknown {
+        /// The name.
+        name: String,
+        /// The nearest one there is.
+        nearest: Option<String>,
+    },
+    /// The trace has no rows or no columns.
+    Empty,
+}
+
+impl fmt::Display for PlotError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown { name, nearest: Some(nearest) } => {
+                write!(f, "no column or group `{name}` was recorded; did you mean `{nearest}`?")
+            }
+            Self::Unknown { name, nearest: None } => write!(f, "no column or group `{name}` was recorded"),
+            Self::Empty => f.write_str("nothing was recorded"),
+        }
+    }
+}
+
+impl std::error::Error for PlotError {}
+
+/// Draws a trace.
+///
+/// # Errors
+/// If a name of the selection was not recorded, or nothing was.
+pub fn draw(title: &str, table: &Table, notes: &[ColumnNote], selection: &Selection) -> Result<String, PlotError> {
+    let trace = Trace { table, notes };
+    if table.rows.is_empty() || table.names.len() < 2 {
+        return Err(PlotError::Empty);
+    }
+    let (paths, panels) = if selection.signals.is_empty() { trace.default_choice() } else { trace.chosen(&selection.signals)? };
+    let marks = selection.mark.as_deref().map(|name| trace.marks(name)).transpose()?.unwrap_or_default();
+    let mut picture = Picture::default();
+    let mut top = 8.0;
+    if !paths.is_empty() {
+        paths::draw(&mut picture, &paths, &marks, top, WIDTH);
+        top += paths::HEIGHT;
+    }
+    let time_s = table.names.iter().position(|name| name == "time").map_or_else(Vec::new, |time| table.numbers(time));
+    for panel in &panels {
+        series::draw(&mut picture, panel, &time_s, top, WIDTH);
+        top += series::HEIGHT;
+    }
+    Ok(picture.finish(title, WIDTH, top + 8.0))
+}
+
+struct Trace<'a> {
+    table: &'a Table,
+    notes: &'a [ColumnNote],
+}
+
+impl Trace<'_> {
+    fn unit(&self, name: &str) -> &str {
+        let note = self.notes.iter().find(|note| note.name == name);
+        note.and_then(|note| note.unit.as_deref()).filter(|unit| *unit != "1").unwrap_or_default()
+    }
+
+    fn column(&self, name: &str) -> Option<Vec<f64>> {
+        Some(self.table.numbers(self.table.names.iter().position(|other| other == name)?))
+    }
+
+    /// Columns that a name means: itself, or all below it as a group or array.
+    fn members(&self, name: &str) -> Vec<&str> {
+        let below = |other: &str| other.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
+        self.table.names.iter().map(String::as_str).filter(|other| below(other)).collect()
+    }
+
+    /// A group of x, y, z in metres.
+    fn path(&self, group: &str) -> Option<Path> {
+        let [x, y, z] = ["x", "y", "z"].map(|axis| format!("{group}.{axis}"));
+        let in_metres = [&x, &y, &z].iter().all(|name| self.unit(name) == "m");
+        let (x, y, z) = (self.column(&x)?, self.column(&y)?, self.column(&z)?);
+        let points_m = x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect();
+        in_metres.then(|| Path { name: group.to_owned(), points_m })
+    }
+
+    fn panel(&self, names: &[&str]) -> Panel {
+        let unit = names.first().map(|name| self.unit(name)).unwrap_or_default();
+        let (shown_unit, factor) = for_people(unit);
+        let curve = |name: &&str| Curve {
+            name: (*name).to_owned(),
+            values: self.column(name).unwrap_or_default().into_iter().map(|value| value * factor).collect(),
+        };
+        Panel { unit: shown_unit.to_owned(), curves: names.iter().map(curve).collect() }
+    }
+
+    fn chosen(&self, signals: &[String]) -> Result<(Vec<Path>, Vec<Panel>), PlotError> {
+        let (mut paths, mut panels) = (Vec::new(), Vec::new());
+        for name in signals {
+            let members = self.members(name);
+            if members.is_empty() {
+                let nearest = dsl::resolve::nearest(name, self.table.names.iter().map(String::as_str));
+                return Err(PlotError::Unknown { name: name.clone(), nearest: nearest.map(str::to_owned) });
+            }
+            match self.path(name) {
+                Some(path) => paths.push(path),
+                None => panels.extend(members.chunk_by(|a, b| self.unit(a) == self.unit(b)).map(|same| self.panel(same))),
+            }
+        }
+        Ok((paths, panels))
+    }
+
+    /// All position groups; then the first groups of columns that are no positions, angles of attitude first.
+    fn default_choice(&self) -> (Vec<Path>, Vec<Panel>) {
+        let groups = self.table.names.iter().filter_map(|name| name.strip_suffix(".x")).filter(|g| g.ends_with("position"));
+        let mut paths: Vec<_> = groups.filter_map(|group| self.path(group)).collect();
+        // What moves is shown before what it should do.
+        paths.sort_by_key(|path| path.name.contains("setpoint"));
+        let mut panels: Vec<Vec<&str>> = Vec::new();
+        for name in self.table.names.iter().map(String::as_str).skip(1) {
+            let in_path = paths.iter().any(|path| name.strip_prefix(&path.name).is_some_and(|rest| rest.starts_with('.')));
+            let same = |group: &&mut Vec<&str>| group_of(group[0]) == group_of(name) && self.unit(group[0]) == self.unit(name);
+            if in_path {
+                continue;
+            }
+            match panels.iter_mut().find(same) {
+                Some(group) => group.push(name),
+                None => panels.push(vec![name]),
+            }
+        }
+        let panels = panels.iter().take(DEFAULT_PANELS).map(|names| self.panel(names)).collect();
+        (paths, panels)
+    }
+
+    /// The rows at which a column changes, lettered from A; the first row and the last are A and the last letter.
+    fn marks(&self, name: &str) -> Result<Vec<Mark>, PlotError> {
+        let Some(values) = self.column(name) else {
+            let nearest = dsl::resolve::nearest(name, self.table.names.iter().map(String::as_str));
+            return Err(PlotError::Unknown { name: name.to_owned(), nearest: nearest.map(str::to_owned) });
+        };
+        let mut indices = vec![0];
+        indices.extend((1..values.len()).filter(|&index| values[index].to_bits() != values[index - 1].to_bits()));
+        let letters = ('A'..='Z').map(String::from);
+        Ok(indices.into_iter().zip(letters).map(|(index, word)| Mark { index, word }).collect())
+    }
+}
+
+/// Everything before the last dot or index: columns of one group share a panel.
+fn group_of(name: &str) -> &str {
+    let end = name.rfind(['.', '[']).unwrap_or(name.len());
+    &name[..end]
+}
+
+/// Angles are drawn in degrees.
+fn for_people(unit: &str) -> (&str, f64) {
+    let degrees = 180.0 / std::f64::consts::PI;
+    match unit {
+        "rad" => ("deg", degrees),
+        other => (other, 1.0),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,98 @@
+//! From values to pixels, with ticks at round numbers.
+
+/// A range of values laid on a range of pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Scale {
+    pub low: f64,
+    pub high: f64,
+    pub first_pixel: f64,
+    pub last_pixel: f64,
+}
+
+impl Scale {
+    /// Covers the finite values among `values` with a little air, laid on pixels.
+    pub(super) fn around(values: impl IntoIterator<Item = f64>, first_pixel: f64, last_pixel: f64) -> Self {
+        let (low, high) = extent(values);
+        let air = 0.06 * (high - low);
+        Self { low: low - air, high: high + air, first_pixel, last_pixel }
+    }
+
+    pub(super) fn pixel(&self, value: f64) -> f64 {
+        self.first_pixel + (value - self.low) / (self.high - self.low) * (self.last_pixel - self.first_pixel)
+    }
+
+    /// Round numbers inside the range, about `count` of them.
+    pub(super) fn ticks(&self, count: f64) -> Vec<f64> {
+        ticks(self.low, self.high, count)
+    }
+}
+
+/// Smallest and largest finite value, at least a little apart; 0..1 without any.
+pub(super) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let finite = values.into_iter().filter(|value| value.is_finite());
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    if low > high {
+        (0.0, 1.0)
+    } else if high - low < 1e-9 * (1.0 + low.abs()) {
+        (low - 0.5, high + 0.5)
+    } else {
+        (low, high)
+    }
+}
+
+/// Multiples of 1, 2 or 5 times a power of ten between two values, about `count` of them.
+pub(super) fn ticks(low: f64, high: f64, count: f64) -> Vec<f64> {
+    let step = round_step((high - low) / count);
+    let first = (low / step).ceil();
+    let last = (high / step).floor();
+    let mut ticks = Vec::new();
+    let mut index = first;
+    while index <= last && ticks.len() < 100 {
+        ticks.push(index * step);
+        index += 1.0;
+    }
+    ticks
+}
+
+fn round_step(raw: f64) -> f64 {
+    let mut power = 1.0;
+    while power * 10.0 <= raw {
+        power *= 10.0;
+    }
+    while power > raw {
+        power /= 10.0;
+    }
+    let factor = raw / power;
+    power * if factor <= 1.0 { 1.0 } else if factor <= 2.0 { 2.0 } else if factor <= 5.0 { 5.0 } else { 10.0 }
+}
+
+/// A tick's number as people write it.
+pub(super) fn label(value: f64) -> String {
+    let rounded = format!("{value:.6}");
+    let plain = rounded.trim_end_matches('0').trim_end_matches('.');
+    if plain == "-0" || plain.is_empty() { "0".to_owned() } else { plain.replace('-', "\u{2212}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(ticks(-0.3, 10.2, 5.0), [0.0, 5.0, 10.0]);
+        assert_eq!(ticks(0.0, 84.0, 8.0), [0.0, 20.0, 40.0, 60.0, 80.0]);
+        assert_eq!(label(ticks(0.0, 0.35, 4.0)[1]), "0.1");
+    }
+
+    #[test]
+    fn a_constant_has_room_around_it() {
+        assert_eq!(extent([3.0, 3.0, f64::NAN]), (2.5, 3.5));
+        assert_eq!(extent([]), (0.0, 1.0));
+    }
+
+    #[test]
+    fn the_ends_lie_on_the_ends() {
+        let scale = Scale { low: -1.0, high: 1.0, first_pixel: 100.0, last_pixel: 0.0 };
+        assert_eq!((scale.pixel(-1.0), scale.pixel(0.0), scale.pixel(1.0)), (100.0, 50.0, 0.0));
+    }
+}

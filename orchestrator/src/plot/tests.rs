@@ -1,0 +1,72 @@
+//! Tests of what a picture shows.
+
+use super::*;
+
+fn trace() -> (Table, Vec<ColumnNote>) {
+    let units = [
+        ("time", Some("s")),
+        ("path.setpoint.position.x", Some("m")),
+        ("path.setpoint.position.y", Some("m")),
+        ("path.setpoint.position.z", Some("m")),
+        ("path.leg", None),
+        ("quad.state.position.x", Some("m")),
+        ("quad.state.position.y", Some("m")),
+        ("quad.state.position.z", Some("m")),
+        ("quad.roll", Some("rad")),
+        ("quad.pitch", Some("rad")),
+        ("quad.thrust", Some("N")),
+    ];
+    let note = |(name, unit): &(&str, Option<&str>)| ColumnNote {
+        name: (*name).to_owned(),
+        unit: unit.map(str::to_owned),
+        kind: "Real".to_owned(),
+    };
+    let row = |k: u32| (0..units.len()).map(|i| if i == 4 { (k / 4).to_string() } else { (i as u32 * k).to_string() });
+    let rows = (0..10).map(|k| row(k).collect()).collect();
+    let names = units.iter().map(|(name, _)| (*name).to_owned()).collect();
+    (Table { names, rows, partial: false }, units.iter().map(note).collect())
+}
+
+#[test]
+fn without_a_choice_paths_come_first_and_what_moves_before_what_it_should_do() {
+    let (table, notes) = trace();
+    let (paths, panels) = Trace { table: &table, notes: &notes }.default_choice();
+    let names: Vec<_> = paths.iter().map(|path| path.name.as_str()).collect();
+    assert_eq!(names, ["quad.state.position", "path.setpoint.position"]);
+    let curves: Vec<Vec<_>> = panels.iter().map(|p| p.curves.iter().map(|c| c.name.as_str()).collect()).collect();
+    assert_eq!(curves, [vec!["path.leg"], vec!["quad.roll", "quad.pitch"], vec!["quad.thrust"]]);
+}
+
+#[test]
+fn angles_are_drawn_in_degrees() {
+    let (table, notes) = trace();
+    let panel = Trace { table: &table, notes: &notes }.panel(&["quad.roll"]);
+    assert_eq!(panel.unit, "deg");
+    assert!((panel.curves[0].values[1] - 8.0 * 57.295_779_513).abs() < 1e-6);
+}
+
+#[test]
+fn a_mark_stands_at_the_start_and_at_each_change() {
+    let (table, notes) = trace();
+    let marks = Trace { table: &table, notes: &notes }.marks("path.leg").unwrap();
+    let words: Vec<_> = marks.iter().map(|mark| (mark.index, mark.word.as_str())).collect();
+    assert_eq!(words, [(0, "A"), (4, "B"), (8, "C")]);
+}
+
+#[test]
+fn a_name_that_was_not_recorded_gets_the_nearest() {
+    let (table, notes) = trace();
+    let selection = Selection { signals: vec!["quad.rol".to_owned()], mark: None };
+    let error = draw("t", &table, &notes, &selection).unwrap_err();
+    assert_eq!(error.to_string(), "no column or group `quad.rol` was recorded; did you mean `quad.roll`?");
+}
+
+#[test]
+fn a_picture_is_closed_and_names_its_curves() {
+    let (table, notes) = trace();
+    let svg = draw("A run", &table, &notes, &Selection::default()).unwrap();
+    assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
+    for name in ["A run", "quad.state.position", "path.setpoint.position", "quad.thrust", "time, s"] {
+        assert!(svg.contains(name), "{name}");
+    }
+}
