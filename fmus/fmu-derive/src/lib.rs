@@ -1,2 +1,39 @@
-//! To be written.
+//! The derive macros of crate `fmu`, which documents them: `Fmu`, `Group` and `FmiEnum`.
 #![forbid(unsafe_code)]
+
+mod attribute;
+mod dependencies;
+mod doc;
+mod enumeration;
+mod field;
+mod generate;
+mod unit;
+
+use proc_macro::TokenStream;
+use syn::{DeriveInput, parse_macro_input};
+
+/// The ports of a unit: every field says with `input`, `output`, `parameter`, `local` or `group` what it is; an unmarked
+/// field is hidden state.
+#[proc_macro_derive(Fmu, attributes(fmu, input, output, parameter, local, group, port))]
+pub fn derive_fmu(input: TokenStream) -> TokenStream {
+    expand(parse_macro_input!(input as DeriveInput), unit::derive_fmu)
+}
+
+/// A group of ports: either every field is marked `port` and the whole group gets its role where it is used, or the
+/// fields say their roles themselves.
+#[proc_macro_derive(Group, attributes(input, output, parameter, local, group, port))]
+pub fn derive_group(input: TokenStream) -> TokenStream {
+    expand(parse_macro_input!(input as DeriveInput), unit::derive_group)
+}
+
+/// An enumeration type: items are the variants in snake case, values count from 1 unless they are written.
+#[proc_macro_derive(FmiEnum)]
+pub fn derive_enum(input: TokenStream) -> TokenStream {
+    expand(parse_macro_input!(input as DeriveInput), enumeration::derive)
+}
+
+fn expand(
+    input: DeriveInput, derive: fn(&DeriveInput) -> syn::Result<proc_macro2::TokenStream>,
+) -> TokenStream {
+    derive(&input).unwrap_or_else(|error| error.to_compile_error()).into()
+}

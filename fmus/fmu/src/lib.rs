@@ -1,2 +1,37 @@
-//! To be written.
-#![forbid(unsafe_code)]
+//! Write a struct, get an FMI 2.0 co-simulation FMU.
+//!
+//! The walk of a number: an importer's `fmi2SetReal` comes through [`export!`] and [`abi`] to the slots of an instance,
+//! the author's [`Model::step`] turns inputs into outputs, `fmi2GetReal` takes them away. Next stop: the model itself, in
+//! crate `models`.
+#![doc = include_str!("../README.md")]
+
+extern crate self as fmu;
+
+pub mod abi;
+mod body;
+mod declaration;
+mod describe;
+mod export;
+mod instance;
+mod library;
+mod log;
+mod model;
+mod port;
+mod port_types;
+mod refusal;
+mod saved;
+mod slots;
+mod step;
+pub mod testing;
+mod values;
+pub mod vehicle;
+mod visitor;
+
+pub use declaration::{Declaration, Experiment, Ports, Role};
+pub use fmi2;
+pub use fmu_derive::{FmiEnum, Fmu, Group};
+pub use library::{Library, Package};
+pub use model::{Context, Fault, Model, Outcome};
+pub use port::{FmiEnum, NoBound, Port};
+pub use step::{Parts, Samples, Step};
+pub use visitor::Visitor;

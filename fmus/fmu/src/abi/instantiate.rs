@@ -1,0 +1,84 @@
+//! The beginning and the end of an instance, and the description that the packager reads.
+#![allow(unsafe_code, reason = "pointers of the importer")]
+
+use super::{AssertUnwindSafe, Instance, catch_unwind};
+use crate::instance::panic_text;
+use crate::library::Library;
+use crate::log::Log;
+use fmi2::c::{self, CallbackFunctions, Component, Status};
+use std::ffi::{CStr, CString};
+
+/// `fmi2Instantiate`: null, after a message where there is a logger, if something is wrong.
+///
+/// Everything the importer hands over is copied. Resources are not used, so that their place may be null.
+pub unsafe fn instantiate(
+    library: &'static Library, name: c::Str, kind: c::FmuType, guid: c::Str, callbacks: *const CallbackFunctions,
+    logging_on: c::Boolean,
+) -> Component {
+    // SAFETY: the contract of this file: callbacks and strings are null or valid during the call.
+    let (callbacks, name, guid) = unsafe { (callbacks.as_ref(), text(name), text(guid)) };
+    let Some((CallbackFunctions { component_environment, .. }, logger)) =
+        callbacks.and_then(|callbacks| Some((callbacks, callbacks.logger?)))
+    else {
+        return std::ptr::null_mut();
+    };
+    // SAFETY: the importer's callbacks stay valid for the instance's life.
+    let mut log = unsafe { Log::new(logger, *component_environment, name.clone().unwrap_or_default()) };
+    if logging_on != c::FALSE {
+        log.want_all(true);
+    }
+    let checked = catch_unwind(AssertUnwindSafe(|| why_not(library, name.as_deref(), kind, guid.as_deref())));
+    if let Some(reason) = checked.unwrap_or_else(|panic| Some(panic_text(&*panic))) {
+        log.send(Status::Error, &format!("fmi2Instantiate: {reason}"));
+        return std::ptr::null_mut();
+    }
+    match catch_unwind(AssertUnwindSafe(|| Box::new(Instance::new(library, log)))) {
+        Ok(instance) => Box::into_raw(instance).cast(),
+        Err(_) => std::ptr::null_mut(),
+    }
+}
+
+unsafe fn text(pointer: c::Str) -> Option<CString> {
+    // SAFETY: not null, and the contract of this file.
+    (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) }.to_owned())
+}
+
+/// What keeps an instance from being made.
+fn why_not(library: &Library, name: Option<&CStr>, kind: c::FmuType, guid: Option<&CStr>) -> Option<String> {
+    let own = &library.described().description.guid;
+    let given = guid.map(|guid| guid.to_string_lossy().into_owned());
+    if name.is_none_or(|name| name.to_bytes().trim_ascii().is_empty()) {
+        return Some("the instance has no name".to_owned());
+    }
+    if kind != c::CO_SIMULATION {
+        return Some("the unit is for co-simulation only".to_owned());
+    }
+    match given {
+        None => Some("no GUID is given".to_owned()),
+        Some(given) if given != *own => {
+            Some(format!("the model description with GUID {given} does not belong to this library, whose GUID is {own}"))
+        }
+        Some(_) => None,
+    }
+}
+
+/// `fmi2FreeInstance`
+pub unsafe fn free(component: Component) {
+    if component.is_null() {
+        return;
+    }
+    // SAFETY: the contract of this file: the handle came from `instantiate` and is freed once.
+    let instance = unsafe { Box::from_raw(component.cast::<Instance>()) };
+    // A unit that panics while it is dropped must not take the importer with it.
+    drop(catch_unwind(AssertUnwindSafe(|| drop(instance))));
+}
+
+/// `modelDescription.xml` of the library, UTF-8 without a zero byte at its end; valid as long as the library is loaded.
+pub unsafe fn description(library: &'static Library, length: *mut usize) -> *const u8 {
+    let Ok(xml) = catch_unwind(AssertUnwindSafe(|| library.xml())) else { return std::ptr::null() };
+    // SAFETY: null or a place for the length.
+    if let Some(length) = unsafe { length.as_mut() } {
+        *length = xml.len();
+    }
+    xml.as_ptr()
+}

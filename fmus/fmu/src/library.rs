@@ -1,0 +1,107 @@
+//! One unit's library: what is known of it before any instance lives.
+
+use crate::describe::{self, Described};
+use crate::model::{Context, Fault, Model, Outcome};
+use crate::step::Step;
+use crate::visitor::{Scalar, Visitor};
+use std::any::Any;
+use std::sync::OnceLock;
+
+/// What cargo knows of the unit's crate; [`export!`](crate::export) fills it in.
+#[derive(Clone, Copy, Debug)]
+pub struct Package {
+    /// Name of the library file without extension.
+    pub identifier: &'static str,
+    /// Version of the crate.
+    pub version: &'static str,
+    /// Authors of the crate, separated by colons.
+    pub authors: &'static str,
+    /// Licence of the crate.
+    pub license: &'static str,
+}
+
+/// A unit's library: how to make a unit, and its description, made when first asked for.
+#[derive(Debug)]
+pub struct Library {
+    package: Package,
+    make: fn() -> Box<dyn Unit>,
+    describe: fn(&Package) -> Described,
+    described: OnceLock<Described>,
+}
+
+impl Library {
+    /// The library of this model.
+    #[must_use]
+    pub const fn of<M: Model>(package: Package) -> Self {
+        Self { package, make: || Box::new(M::at_start()), describe: describe::describe::<M>, described: OnceLock::new() }
+    }
+
+    /// A unit at its start values.
+    pub(crate) fn make(&self) -> Box<dyn Unit> {
+        (self.make)()
+    }
+
+    /// Everything that follows from the declarations.
+    pub(crate) fn described(&self) -> &Described {
+        self.described.get_or_init(|| (self.describe)(&self.package))
+    }
+
+    /// `modelDescription.xml`.
+    #[must_use]
+    pub fn xml(&self) -> &str {
+        &self.described().xml
+    }
+}
+
+/// A model whose type is forgotten, so that the C interface is compiled once and not for each unit.
+pub(crate) trait Unit: Any + Send {
+    fn init(&mut self, context: &mut Context) -> Result<(), Fault>;
+    fn step(&mut self, step: Step, context: &mut Context) -> Result<Outcome, Fault>;
+    fn duplicate(&self) -> Box<dyn Unit>;
+    /// Takes over the values of another unit of the same type.
+    fn copy_from(&mut self, other: &dyn Unit);
+    fn to_bytes(&self) -> Result<Vec<u8>, postcard::Error>;
+    /// A unit of the same type with these values.
+    fn read_from(&self, bytes: &[u8]) -> Result<Box<dyn Unit>, postcard::Error>;
+    fn size(&self) -> usize;
+}
+
+impl<M: Model> Unit for M {
+    fn init(&mut self, context: &mut Context) -> Result<(), Fault> {
+        Model::init(self, context)
+    }
+
+    fn step(&mut self, step: Step, context: &mut Context) -> Result<Outcome, Fault> {
+        Model::step(self, step, context)
+    }
+
+    fn duplicate(&self) -> Box<dyn Unit> {
+        Box::new(self.clone())
+    }
+
+    fn copy_from(&mut self, other: &dyn Unit) {
+        let other = (other as &dyn Any).downcast_ref::<M>();
+        assert!(other.is_some(), "a state holds another type of unit");
+        if let Some(other) = other {
+            self.clone_from(other);
+        }
+    }
+
+    fn to_bytes(&self) -> Result<Vec<u8>, postcard::Error> {
+        postcard::to_stdvec(self)
+    }
+
+    fn read_from(&self, bytes: &[u8]) -> Result<Box<dyn Unit>, postcard::Error> {
+        let (model, rest) = postcard::take_from_bytes::<M>(bytes)?;
+        if rest.is_empty() { Ok(Box::new(model)) } else { Err(postcard::Error::DeserializeBadEncoding) }
+    }
+
+    fn size(&self) -> usize {
+        size_of::<M>()
+    }
+}
+
+/// The scalars of a model, in the order of declaration.
+pub(crate) fn scalars<M: Model>() -> Vec<Scalar> {
+    Visitor::scalars_of(&mut M::at_start())
+}

@@ -1,0 +1,150 @@
+//! Why a call did not do what it was asked to.
+
+use crate::model::Fault;
+use fmi2::c::Status;
+use fmi2::calls::{Call, State};
+use std::fmt;
+
+/// Why a call answered `fmi2Error` or `fmi2Discard`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Refusal {
+    /// The state table forbids the call.
+    NotAllowed { state: State },
+    /// The unit panicked before.
+    Poisoned,
+    /// The unit panicked in this call.
+    Panic { text: String },
+    /// `fmi2SetupExperiment` came twice.
+    SetUpBefore,
+    /// The unit cannot do this, and says so in its capability flags.
+    NotSupported { capability: &'static str },
+    /// A pointer that must lead somewhere is null.
+    Null { argument: &'static str },
+    /// No port of the base type has the value reference.
+    NoSuchPort { base_type: &'static str, reference: u32, count: usize },
+    /// The port may not be set now, or never.
+    NotSettable { port: String, state: State },
+    /// NaN or an infinity for a port.
+    NotFinite { port: String, value: f64 },
+    /// A value below `min` or above `max`.
+    OutOfBounds { port: String, value: f64, min: f64, max: f64 },
+    /// No item of the enumeration has the value.
+    NoSuchItem { port: String, value: i32 },
+    /// A string that is not UTF-8.
+    NotUtf8 { port: String },
+    /// A time of the experiment that is not a number, or a stop before the start.
+    Experiment { start_s: f64, stop_s: Option<f64> },
+    /// A step that has no positive length.
+    StepLength { length_s: f64 },
+    /// A step that does not begin where the last one ended.
+    CommunicationPoint { expected_s: f64, found_s: f64 },
+    /// A step that ends after the stop time.
+    BeyondStop { end_s: f64, stop_s: f64 },
+    /// The model could not start.
+    Start { fault: Fault },
+    /// The model could not step.
+    Step { start_s: f64, length_s: f64, fault: Fault },
+    /// The model says that it came to a time outside its step.
+    OutsideStep { start_s: f64, end_s: f64, found_s: f64 },
+    /// The model made a part of the step.
+    Discarded { start_s: f64, end_s: f64, until_s: f64 },
+    /// The model has come to its end.
+    Ended { at_s: f64 },
+    /// The status asked for is of another type, or belongs to asynchronous steps.
+    NoSuchStatus { kind: i32 },
+    /// The handle is not of a state that this instance saved.
+    UnknownState,
+    /// The buffer for a serialized state is too small.
+    BufferTooSmall { size: usize, needed: usize },
+    /// The state could not be written.
+    Serialize { cause: String },
+    /// The bytes are not a state of this unit.
+    Deserialize { cause: String },
+}
+
+impl Refusal {
+    /// What the call answers.
+    pub(crate) fn status(&self) -> Status {
+        match self {
+            Self::Discarded { .. } | Self::Ended { .. } | Self::NoSuchStatus { .. } => Status::Discard,
+            _ => Status::Error,
+        }
+    }
+
+    /// The message for the log.
+    pub(crate) fn message(&self, call: Call) -> String {
+        format!("{}: {self}", call.name())
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotAllowed { state } => write!(f, "not allowed in state `{}`", state.name()),
+            Self::Poisoned => f.write_str("the unit panicked before; only get calls, reset and free are left"),
+            Self::Panic { text } => write!(f, "the unit panicked, which is a defect of it: {text}"),
+            Self::SetUpBefore => f.write_str("the experiment is set up already"),
+            Self::NotSupported { capability } => write!(f, "the unit cannot do this, its {capability}"),
+            Self::Null { argument } => write!(f, "`{argument}` is a null pointer"),
+            Self::NoSuchPort { base_type, reference, count } => {
+                write!(f, "there is no {base_type} with value reference {reference}; the unit has {count}, from 0")
+            }
+            Self::NotSettable { port, state } => {
+                write!(f, "`{port}` cannot be set in state `{}`; nothing was set", state.name())
+            }
+            Self::NotFinite { port, value } => {
+                write!(f, "{value} is no value for `{port}`; nothing was set")
+            }
+            Self::OutOfBounds { port, value, min, max } => {
+                write!(f, "{value} is no value for `{port}`, which ")?;
+                match (*min == f64::MIN, *max == f64::MAX) {
+                    (true, _) => write!(f, "is at most {max}")?,
+                    (_, true) => write!(f, "is at least {min}")?,
+                    _ => write!(f, "lies between {min} and {max}")?,
+                }
+                f.write_str("; nothing was set")
+            }
+            Self::NoSuchItem { port, value } => {
+                write!(f, "`{port}` is an enumeration without an item of value {value}; nothing was set")
+            }
+            Self::NotUtf8 { port } => write!(f, "the text for `{port}` is not UTF-8; nothing was set"),
+            Self::NoSuchStatus { kind } => write!(f, "there is no such status of kind {kind}; steps are synchronous"),
+            Self::UnknownState => f.write_str("the handle is not of a state that this instance saved and still has"),
+            Self::BufferTooSmall { size, needed } => write!(f, "{size} bytes are too few, the state needs {needed}"),
+            Self::Serialize { cause } => write!(f, "the state cannot be written: {cause}"),
+            Self::Deserialize { cause } => write!(f, "the bytes are not a state of this unit: {cause}"),
+            _ => self.time(f),
+        }
+    }
+}
+
+impl Refusal {
+    /// Those that are about time and the model.
+    fn time(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Experiment { start_s, stop_s: Some(stop_s) } => {
+                write!(f, "a run from {start_s} s to {stop_s} s is none")
+            }
+            Self::Experiment { start_s, .. } => write!(f, "a run cannot start at {start_s} s"),
+            Self::StepLength { length_s } => write!(f, "a step of {length_s} s is none; its length must be positive"),
+            Self::CommunicationPoint { expected_s, found_s } => {
+                write!(f, "the step begins at {found_s} s, but the unit stands at {expected_s} s")
+            }
+            Self::BeyondStop { end_s, stop_s } => {
+                write!(f, "the step ends at {end_s} s, after the stop time {stop_s} s")
+            }
+            Self::Start { fault } => write!(f, "the unit cannot start: {fault}"),
+            Self::Step { start_s, length_s, fault } => {
+                write!(f, "the step of {length_s} s from {start_s} s failed: {fault}")
+            }
+            Self::OutsideStep { start_s, end_s, found_s } => {
+                write!(f, "the unit says {found_s} s in a step from {start_s} s to {end_s} s, which is a defect of it")
+            }
+            Self::Discarded { start_s, end_s, until_s } => {
+                write!(f, "the step from {start_s} s to {end_s} s was made until {until_s} s only")
+            }
+            Self::Ended { at_s } => write!(f, "the unit has come to its end at {at_s} s"),
+            _ => unreachable!("all others are written in `fmt`"),
+        }
+    }
+}
