@@ -1,1 +1,78 @@
-//! To be written.
+//! Judges a description by the rules of FMI 2.0.5 for co-simulation; each finding names the section, the place, what was
+//! expected and what was found.
+
+mod attributes;
+mod dependencies;
+mod header;
+mod names;
+mod references;
+mod structure;
+mod types;
+mod units;
+mod values;
+mod variables;
+
+use std::collections::BTreeMap;
+
+use super::{Finding, ModelDescription, Position, SimpleType, UnitDefinition};
+
+/// Everything that is wrong with the description, in the file's order. What [`read`](super::read::read) found is not
+/// repeated.
+#[must_use]
+pub fn check(model: &ModelDescription) -> Vec<Finding> {
+    let mut report = Report::new(model);
+    header::check(&mut report);
+    units::check(&mut report);
+    types::check(&mut report);
+    names::check(&mut report);
+    variables::check(&mut report);
+    values::check(&mut report);
+    references::check(&mut report);
+    structure::check(&mut report);
+    let mut findings = report.findings;
+    findings.sort_by_key(|finding| finding.position);
+    findings
+}
+
+/// The description under examination, its names for look-up, and what was found.
+struct Report<'a> {
+    model: &'a ModelDescription,
+    units: BTreeMap<&'a str, &'a UnitDefinition>,
+    types: BTreeMap<&'a str, &'a SimpleType>,
+    findings: Vec<Finding>,
+}
+
+impl<'a> Report<'a> {
+    fn new(model: &'a ModelDescription) -> Self {
+        // Of equal names the first one counts, as in the description's own look-up.
+        let units = model.units.iter().rev().map(|unit| (unit.name.as_str(), unit)).collect();
+        let types = model.types.iter().rev().map(|declared| (declared.name.as_str(), declared)).collect();
+        Self { model, units, types, findings: Vec::new() }
+    }
+
+    fn error(&mut self, rule: &'static str, position: Position, message: impl Into<String>) {
+        self.findings.push(Finding::error(rule, position, message));
+    }
+
+    fn warning(&mut self, rule: &'static str, position: Position, message: impl Into<String>) {
+        self.findings.push(Finding::warning(rule, position, message));
+    }
+
+    /// Reports names that are empty or stand twice in a list; `what` is the article and noun, as in "a unit".
+    fn unique<'n>(&mut self, rule: &'static str, what: &str, names: impl IntoIterator<Item = (&'n str, Position)>) {
+        let mut seen: BTreeMap<&str, Position> = BTreeMap::new();
+        for (name, position) in names {
+            if name.is_empty() {
+                self.error(rule, position, format!("{what} has no name"));
+            } else if let Some(first) = seen.get(name) {
+                let at = if first.line > 0 { format!(", first in line {}", first.line) } else { String::new() };
+                self.error(rule, position, format!("{what} named `{name}` stands here a second time{at}"));
+            } else {
+                seen.insert(name, position);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

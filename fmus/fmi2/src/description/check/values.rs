@@ -1,0 +1,68 @@
+//! Rules for start values: finite, between min and max (the variable's own or its type's), and among an enumeration's items.
+
+use std::fmt::Display;
+
+use super::Report;
+use super::attributes::{Place, range};
+use crate::description::{Kind, TypeKind, Variable};
+
+const RULE: &str = "2.2.7";
+
+pub(super) fn check(report: &mut Report) {
+    for variable in &report.model.variables {
+        let declared =
+            variable.declared_type.as_deref().and_then(|name| report.types.get(name)).map(|found| &found.kind);
+        match (&variable.kind, declared) {
+            (Kind::Real(real), declared) => {
+                let (low, high) = match declared {
+                    Some(TypeKind::Real(inherited)) => (inherited.min, inherited.max),
+                    _ => (None, None),
+                };
+                if let Some(start) = real.start.filter(|start| !start.is_finite()) {
+                    let message = format!("`{}` has the start value {start}; expected a finite number", variable.name);
+                    report.error(RULE, variable.position, message);
+                } else {
+                    within(report, variable, real.start, real.min.or(low), real.max.or(high));
+                }
+            }
+            (Kind::Integer { start, min, max }, Some(TypeKind::Integer { min: low, max: high })) => {
+                within(report, variable, *start, min.or(*low), max.or(*high));
+            }
+            (Kind::Enumeration { start, min, max }, declared) => {
+                within(report, variable, *start, *min, *max);
+                if let (Some(start), Some(TypeKind::Enumeration { items, .. })) = (start, declared)
+                    && !items.iter().any(|item| item.value == *start)
+                {
+                    let known: Vec<_> = items.iter().map(|item| format!("{} ({})", item.value, item.name)).collect();
+                    let message = format!(
+                        "`{}` starts with {start}, which is no item; items are {}",
+                        variable.name,
+                        known.join(", ")
+                    );
+                    report.error(RULE, variable.position, message);
+                }
+            }
+            (Kind::Integer { start, min, max }, _) => within(report, variable, *start, *min, *max),
+            (Kind::Boolean { .. } | Kind::String { .. }, _) => {}
+        }
+    }
+}
+
+/// `min <= start <= max`.
+fn within<T: PartialOrd + Display + Copy>(
+    report: &mut Report,
+    variable: &Variable,
+    start: Option<T>,
+    min: Option<T>,
+    max: Option<T>,
+) {
+    let (name, at) = (&variable.name, variable.position);
+    range(report, &Place { rule: RULE, position: at, what: &format!("`{name}`") }, min, max);
+    let Some(start) = start else { return };
+    if let Some(min) = min.filter(|min| start < *min) {
+        report.error(RULE, at, format!("`{name}` starts with {start}, below its min {min}"));
+    }
+    if let Some(max) = max.filter(|max| start > *max) {
+        report.error(RULE, at, format!("`{name}` starts with {start}, above its max {max}"));
+    }
+}
