@@ -5,3 +5,8 @@
 #![allow(unsafe_code, reason = "libraries are foreign code, and the board is memory that another process maps")]
 
 pub mod board;
+pub mod error;
+pub mod instance;
+pub mod library;
+pub mod logger;
+mod variable_names;

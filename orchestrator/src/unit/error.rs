@@ -1,0 +1,164 @@
+//! Why a unit cannot be used: what its archive or its library lacks.
+
+use fmi2::description::Finding;
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a unit cannot be used.
+#[derive(Debug)]
+pub enum UnitError {
+    /// A file of the unit cannot be read or written.
+    File {
+        /// What was being done.
+        doing: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        error: io::Error,
+    },
+    /// The archive is broken or unsafe.
+    Archive {
+        /// The archive.
+        archive: PathBuf,
+        /// The entry, if it is about one.
+        entry: Option<String>,
+        /// What is wrong.
+        problem: String,
+    },
+    /// `modelDescription.xml` cannot be read.
+    Description {
+        /// The archive.
+        archive: PathBuf,
+        /// Why.
+        finding: Finding,
+    },
+    /// The unit has no `CoSimulation` element.
+    NoCoSimulation {
+        /// The unit's folder.
+        folder: PathBuf,
+    },
+    /// There is no library for this platform.
+    NoBinary {
+        /// The file that was looked for, relative to the unit's folder.
+        wanted: String,
+        /// What is there instead, relative to the unit's folder.
+        present: Vec<String>,
+    },
+    /// The system's loader refuses the library.
+    Loader {
+        /// The library.
+        library: PathBuf,
+        /// Why.
+        refusal: Refusal,
+    },
+    /// The library lacks a function of the standard.
+    NoFunction {
+        /// The library.
+        library: PathBuf,
+        /// The function.
+        symbol: &'static str,
+    },
+    /// The library speaks another version of the standard, or has other C types.
+    Version {
+        /// The library.
+        library: PathBuf,
+        /// The function that was asked.
+        function: &'static str,
+        /// What it should answer.
+        expected: &'static str,
+        /// What it answered.
+        found: String,
+    },
+}
+
+/// Why the system's loader refuses a library.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// It needs a library that this system does not have.
+    MissingLibrary(String),
+    /// It needs a symbol that no loaded library has.
+    MissingSymbol(String),
+    /// Anything else, in the loader's words.
+    Other(String),
+}
+
+impl Refusal {
+    /// Reads what `dlerror` said about `library`.
+    pub(super) fn of(library: &Path, said: &str) -> Self {
+        let (subject, rest) = said.split_once(": ").unwrap_or(("", said));
+        if rest.starts_with("cannot open shared object file") && Path::new(subject) != library {
+            Self::MissingLibrary(subject.to_owned())
+        } else if let Some(symbol) = rest.strip_prefix("undefined symbol: ") {
+            Self::MissingSymbol(symbol.to_owned())
+        } else {
+            Self::Other(said.to_owned())
+        }
+    }
+}
+
+impl fmt::Display for UnitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File { doing, path, error } => write!(f, "{doing} {}: {error}", path.display()),
+            Self::Archive { archive, entry: None, problem } => write!(f, "{}: {problem}", archive.display()),
+            Self::Archive { archive, entry: Some(entry), problem } => {
+                write!(f, "{}: entry `{}` {problem}", archive.display(), entry.escape_debug())
+            }
+            Self::Description { archive, finding } => {
+                write!(f, "{}: modelDescription.xml:{finding}", archive.display())
+            }
+            Self::NoCoSimulation { folder } => {
+                write!(f, "{}: the unit has no CoSimulation element, only model exchange", folder.display())
+            }
+            Self::NoBinary { wanted, present } => {
+                write!(f, "the unit has no library for this platform: `{wanted}` is not there, ")?;
+                match present.as_slice() {
+                    [] => f.write_str("nor any other below `binaries/`"),
+                    present => write!(f, "only `{}`", present.join("`, `")),
+                }
+            }
+            Self::Loader { library, refusal } => {
+                let library = library.display();
+                match refusal {
+                    Refusal::MissingLibrary(name) => {
+                        write!(f, "{library} needs the library `{name}`, which this system does not have")
+                    }
+                    Refusal::MissingSymbol(name) => {
+                        write!(f, "{library} needs the symbol `{name}`, which no loaded library has")
+                    }
+                    Refusal::Other(said) => write!(f, "{library} cannot be loaded: {said}"),
+                }
+            }
+            Self::NoFunction { library, symbol } => {
+                write!(f, "{} lacks the function `{symbol}` of FMI 2.0", library.display())
+            }
+            Self::Version { library, function, expected, found } => {
+                write!(f, "{}: {function} should answer `{expected}`, but answers `{found}`", library.display())
+            }
+        }
+    }
+}
+
+impl std::error::Error for UnitError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::File { error, .. } => Some(error),
+            _ => None,
+        }
+    }
+}
+
+#[test]
+fn what_the_loader_says_is_understood() {
+    let library = Path::new("/units/a.so");
+    let of = |said| Refusal::of(library, said);
+    assert_eq!(
+        of("libpython3.11.so.1.0: cannot open shared object file: No such file or directory"),
+        Refusal::MissingLibrary("libpython3.11.so.1.0".into())
+    );
+    assert_eq!(of("/units/a.so: undefined symbol: PyErr_Print"), Refusal::MissingSymbol("PyErr_Print".into()));
+    for other in ["/units/a.so: cannot open shared object file: Permission denied", "/units/a.so: invalid ELF header"] {
+        assert_eq!(of(other), Refusal::Other(other.into()));
+    }
+}

@@ -1,0 +1,321 @@
+//! One instance of a unit: the calls of FMI 2.0, each noted on the board before and after, each answer judged.
+//!
+//! Next on the walk of a number: `fmus/<unit>/src/lib.rs`, on the other side of the function pointers.
+
+mod lifecycle;
+mod strings;
+
+pub use lifecycle::Setting;
+
+use super::board::Note;
+use super::library::{Functions, Library};
+use super::logger::{LogSink, Registration};
+use crate::failure::{Cause, Doing, Failure};
+use crate::message::LogMessage;
+use fmi2::c::{
+    Boolean, CallbackFunctions, Component, FALSE, LAST_SUCCESSFUL_TIME, RawStatus, Status, TERMINATED, TRUE,
+};
+use fmi2::calls::Call;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use strings::Strings;
+
+/// Simulated time, both ways that it is needed: notes tell ticks, units and people want seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// The tick.
+    pub tick: u64,
+    /// The same in seconds, tick × step.
+    pub time_s: f64,
+}
+
+/// How a step ended that was no failure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StepResult {
+    /// The unit came to the end of the step.
+    Done,
+    /// The unit says that it is done for good (`fmi2Discard` with `fmi2Terminated`).
+    Terminated {
+        /// How far it came; the step's beginning if it does not say.
+        last_successful_time_s: f64,
+    },
+}
+
+/// One instance of a unit, freed when dropped. Its functions may be called by any one thread at a time.
+#[derive(Debug)]
+pub struct Instance {
+    functions: Functions,
+    component: Component,
+    note: Note,
+    index: usize,
+    name: String,
+    library: Arc<Library>,
+    /// Many units keep the address, so it stays the same.
+    _callbacks: Box<CallbackFunctions>,
+    _registration: Registration,
+    log: LogTap,
+    strings: Strings,
+}
+
+// SAFETY: the standard lets any thread call a unit, as long as calls of one instance do not overlap, which `&mut self`
+// sees to; nothing but those calls uses the raw pointers inside.
+unsafe impl Send for Instance {}
+
+/// The way from here into the log, for what a unit says by its status only.
+struct LogTap {
+    sink: LogSink,
+    warned: bool,
+}
+
+impl std::fmt::Debug for LogTap {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("LogTap").field("warned", &self.warned).finish_non_exhaustive()
+    }
+}
+
+impl Instance {
+    /// The name in the script.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The unit's functions, for whoever measures what the calls alone cost.
+    #[must_use]
+    pub fn functions(&self) -> &Functions {
+        &self.functions
+    }
+
+    /// The unit's handle of this instance, to go with [`Instance::functions`].
+    #[must_use]
+    pub fn component(&self) -> Component {
+        self.component
+    }
+
+    /// Sets Real variables.
+    ///
+    /// # Errors
+    /// The unit refuses.
+    #[inline]
+    pub fn set_real(&mut self, now: Moment, references: &[u32], values: &[f64]) -> Result<(), Failure> {
+        self.values(now, Call::SetReal, references.len(), values.len(), |functions, component, count| {
+            // SAFETY: both slices have `count` elements, and the unit only reads them.
+            unsafe { (functions.set_real)(component, references.as_ptr(), count, values.as_ptr()) }
+        })
+    }
+
+    /// Sets Integer variables, enumerations among them.
+    ///
+    /// # Errors
+    /// The unit refuses.
+    #[inline]
+    pub fn set_integer(&mut self, now: Moment, references: &[u32], values: &[i32]) -> Result<(), Failure> {
+        self.values(now, Call::SetInteger, references.len(), values.len(), |functions, component, count| {
+            // SAFETY: both slices have `count` elements, and the unit only reads them.
+            unsafe { (functions.set_integer)(component, references.as_ptr(), count, values.as_ptr()) }
+        })
+    }
+
+    /// Sets Boolean variables, 0 or 1.
+    ///
+    /// # Errors
+    /// The unit refuses.
+    #[inline]
+    pub fn set_boolean(&mut self, now: Moment, references: &[u32], values: &[Boolean]) -> Result<(), Failure> {
+        self.values(now, Call::SetBoolean, references.len(), values.len(), |functions, component, count| {
+            // SAFETY: both slices have `count` elements, and the unit only reads them.
+            unsafe { (functions.set_boolean)(component, references.as_ptr(), count, values.as_ptr()) }
+        })
+    }
+
+    /// Reads Real variables. What comes may be infinite or no number.
+    ///
+    /// # Errors
+    /// The unit refuses.
+    #[inline]
+    pub fn get_real(&mut self, now: Moment, references: &[u32], values: &mut [f64]) -> Result<(), Failure> {
+        self.values(now, Call::GetReal, references.len(), values.len(), |functions, component, count| {
+            // SAFETY: both slices have `count` elements; the unit reads the first and writes the second.
+            unsafe { (functions.get_real)(component, references.as_ptr(), count, values.as_mut_ptr()) }
+        })
+    }
+
+    /// Reads Integer variables, enumerations among them.
+    ///
+    /// # Errors
+    /// The unit refuses.
+    #[inline]
+    pub fn get_integer(&mut self, now: Moment, references: &[u32], values: &mut [i32]) -> Result<(), Failure> {
+        self.values(now, Call::GetInteger, references.len(), values.len(), |functions, component, count| {
+            // SAFETY: both slices have `count` elements; the unit reads the first and writes the second.
+            unsafe { (functions.get_integer)(component, references.as_ptr(), count, values.as_mut_ptr()) }
+        })
+    }
+
+    /// Reads Boolean variables: 0 or 1, whatever the unit takes for true.
+    ///
+    /// # Errors
+    /// The unit refuses.
+    #[inline]
+    pub fn get_boolean(&mut self, now: Moment, references: &[u32], values: &mut [Boolean]) -> Result<(), Failure> {
+        self.values(now, Call::GetBoolean, references.len(), values.len(), |functions, component, count| {
+            // SAFETY: both slices have `count` elements; the unit reads the first and writes the second.
+            unsafe { (functions.get_boolean)(component, references.as_ptr(), count, values.as_mut_ptr()) }
+        })?;
+        for value in values {
+            *value = Boolean::from(*value != FALSE);
+        }
+        Ok(())
+    }
+
+    /// Sets String variables.
+    ///
+    /// # Errors
+    /// The unit refuses.
+    pub fn set_string(&mut self, now: Moment, references: &[u32], values: &[String]) -> Result<(), Failure> {
+        let mut strings = std::mem::take(&mut self.strings);
+        let texts = strings.for_unit(values);
+        let result = self.values(now, Call::SetString, references.len(), texts.len(), |functions, component, count| {
+            // SAFETY: both slices have `count` elements, and the unit only reads them and the texts behind them.
+            unsafe { (functions.set_string)(component, references.as_ptr(), count, texts.as_ptr()) }
+        });
+        self.strings = strings;
+        result
+    }
+
+    /// Reads String variables; what is no UTF-8 is replaced, NULL counts as empty.
+    ///
+    /// # Errors
+    /// The unit refuses.
+    pub fn get_string(&mut self, now: Moment, references: &[u32], values: &mut [String]) -> Result<(), Failure> {
+        let mut strings = std::mem::take(&mut self.strings);
+        let texts = strings.of_unit(values.len());
+        let result = self.values(now, Call::GetString, references.len(), texts.len(), |functions, component, count| {
+            // SAFETY: both slices have `count` elements; the unit reads the first and writes the second.
+            unsafe { (functions.get_string)(component, references.as_ptr(), count, texts.as_mut_ptr()) }
+        });
+        if result.is_ok() {
+            // SAFETY: the unit's texts live until its next call, and end in a zero byte.
+            unsafe { strings.copy_to(values) };
+        }
+        self.strings = strings;
+        result
+    }
+
+    /// Takes one step from `now` on.
+    ///
+    /// # Errors
+    /// The unit does not come to the end of the step and does not say that it is done for good either.
+    #[inline]
+    pub fn do_step(&mut self, now: Moment, step_s: f64) -> Result<StepResult, Failure> {
+        let status = self.raw(now, Call::DoStep, |functions, component| {
+            // SAFETY: plain numbers; the last says that no state before this point will be restored.
+            unsafe { (functions.do_step)(component, now.time_s, step_s, TRUE) }
+        });
+        if status == Status::Ok as RawStatus { Ok(StepResult::Done) } else { self.after_step(now, step_s, status) }
+    }
+
+    #[cold]
+    fn after_step(&mut self, now: Moment, step_s: f64, status: RawStatus) -> Result<StepResult, Failure> {
+        match Status::from_raw(status) {
+            Some(Status::Discard) => self.discarded(now, step_s),
+            Some(Status::Pending) => {
+                let text = "fmi2DoStep returned fmi2Pending, but nobody asked for an asynchronous step";
+                Err(self.failure(now, Call::DoStep, Cause::Other(text.to_owned())))
+            }
+            _ => self.judge(now, Call::DoStep, status).map(|()| StepResult::Done),
+        }
+    }
+
+    /// A discarded step: asks whether the unit is done for good, and how far it came.
+    fn discarded(&mut self, now: Moment, step_s: f64) -> Result<StepResult, Failure> {
+        let mut terminated = FALSE;
+        let mut reached_s = f64::NAN;
+        if let Some(ask) = self.functions.get_boolean_status {
+            self.raw(now, Call::GetBooleanStatus, |_, component| {
+                // SAFETY: the pointer is to a value of the right type.
+                unsafe { ask(component, TERMINATED, &raw mut terminated) }
+            });
+        }
+        if let Some(ask) = self.functions.get_real_status {
+            self.raw(now, Call::GetRealStatus, |_, component| {
+                // SAFETY: the pointer is to a value of the right type.
+                unsafe { ask(component, LAST_SUCCESSFUL_TIME, &raw mut reached_s) }
+            });
+        }
+        if terminated != FALSE {
+            let last_successful_time_s = if reached_s.is_finite() { reached_s } else { now.time_s };
+            return Ok(StepResult::Terminated { last_successful_time_s });
+        }
+        let mut text = format!("fmi2DoStep returned fmi2Discard: the unit did not take the step of {step_s} s");
+        if reached_s.is_finite() {
+            text.push_str(&format!(" and came as far as {reached_s} s"));
+        }
+        Err(self.failure(now, Call::DoStep, Cause::Other(text)))
+    }
+
+    /// A call that gets or sets as many values as there are references; none if there are none.
+    #[inline]
+    fn values(
+        &mut self,
+        now: Moment,
+        call: Call,
+        references: usize,
+        values: usize,
+        foreign: impl FnOnce(&Functions, Component, usize) -> RawStatus,
+    ) -> Result<(), Failure> {
+        assert_eq!(references, values, "as many values as references");
+        if references == 0 {
+            return Ok(());
+        }
+        self.checked(now, call, |functions, component| foreign(functions, component, references))
+    }
+
+    /// A call whose answer counts.
+    #[inline]
+    fn checked(
+        &mut self,
+        now: Moment,
+        call: Call,
+        foreign: impl FnOnce(&Functions, Component) -> RawStatus,
+    ) -> Result<(), Failure> {
+        let status = self.raw(now, call, foreign);
+        if status == Status::Ok as RawStatus { Ok(()) } else { self.judge(now, call, status) }
+    }
+
+    /// A call between its two notes.
+    #[inline]
+    fn raw(&self, now: Moment, call: Call, foreign: impl FnOnce(&Functions, Component) -> RawStatus) -> RawStatus {
+        self.note.enter(now.tick, self.index, Doing::Call(call));
+        let status = foreign(&self.functions, self.component);
+        self.note.leave();
+        status
+    }
+
+    #[cold]
+    fn judge(&mut self, now: Moment, call: Call, status: RawStatus) -> Result<(), Failure> {
+        match Status::from_raw(status) {
+            Some(Status::Ok) => return Ok(()),
+            Some(Status::Warning) => {
+                self.warn(now, call);
+                return Ok(());
+            }
+            Some(Status::Fatal) => self.library.fatal.store(true, Ordering::Release),
+            _ => {}
+        }
+        Err(self.failure(now, call, Cause::Status(status)))
+    }
+
+    /// Says once that a call returned a warning: the unit's own messages say why, if it has any.
+    fn warn(&mut self, now: Moment, call: Call) {
+        if !std::mem::replace(&mut self.log.warned, true) {
+            let text = format!("{} returned fmi2Warning (told once; the run goes on)", call.name());
+            let (status, category) = (Status::Warning as RawStatus, "logStatusWarning".to_owned());
+            (self.log.sink)(LogMessage { instance: Some(self.index), tick: now.tick, status, category, text });
+        }
+    }
+
+    fn failure(&self, now: Moment, call: Call, cause: Cause) -> Failure {
+        Failure { instance: Some(self.name.clone()), doing: Doing::Call(call), time_s: Some(now.time_s), cause }
+    }
+}

@@ -1,0 +1,152 @@
+//! From `fmi2Instantiate` to `fmi2FreeInstance`.
+
+use super::{Instance, LogTap, Moment, Strings};
+use crate::failure::{Cause, Doing, Failure};
+use crate::unit::board::Note;
+use crate::unit::library::{Library, undisturbed};
+use crate::unit::logger::{Environment, LOGGER, LogSink, Registration};
+use fmi2::c::{Boolean, CO_SIMULATION, CallbackFunctions, FALSE};
+use fmi2::calls::Call;
+use std::ffi::CString;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// What an instance is and whom it reports to.
+pub struct Setting<'a> {
+    /// The name in the script.
+    pub name: &'a str,
+    /// The index in the scenario.
+    pub index: usize,
+    /// The note of the thread that calls it.
+    pub note: Note,
+    /// Where its messages go.
+    pub sink: LogSink,
+    /// Whether the unit should tell everything, not only what is wrong.
+    pub logging_on: bool,
+}
+
+impl Instance {
+    /// Makes an instance.
+    ///
+    /// # Errors
+    /// The unit makes none, or may be instantiated only once in a process and was.
+    pub fn instantiate(library: &Arc<Library>, setting: Setting<'_>) -> Result<Self, Failure> {
+        let Setting { name, index, note, sink, logging_on } = setting;
+        let failure = |cause| Failure {
+            instance: Some(name.to_owned()),
+            doing: Doing::Call(Call::Instantiate),
+            time_s: Some(0.0),
+            cause,
+        };
+        let c_name = CString::new(name)
+            .map_err(|_| failure(Cause::Other("the instance's name holds a zero character".to_owned())))?;
+        if library.only_once && library.instances.load(Ordering::Acquire) > 0 {
+            let text = "the unit can be instantiated only once in a process (canBeInstantiatedOnlyOncePerProcess)";
+            return Err(failure(Cause::Other(text.to_owned())));
+        }
+        let registration = Registration::new(Environment {
+            instance: index,
+            name: name.to_owned(),
+            note: note.clone(),
+            names: Arc::clone(&library.names),
+            sink: Arc::clone(&sink),
+        });
+        let callbacks = Box::new(CallbackFunctions {
+            logger: Some(LOGGER),
+            allocate_memory: Some(libc::calloc),
+            free_memory: Some(libc::free),
+            step_finished: None,
+            component_environment: registration.handle(),
+        });
+        note.enter(0, index, Doing::Call(Call::Instantiate));
+        let component = undisturbed(|| {
+            let (guid, resources) = (library.guid.as_ptr(), library.resources.as_ptr());
+            let (visible, logging) = (FALSE, Boolean::from(logging_on));
+            let instantiate = library.functions.instantiate;
+            // SAFETY: the texts and the callbacks outlive the call, the callbacks the instance too.
+            unsafe {
+                instantiate(c_name.as_ptr(), CO_SIMULATION, guid, resources, &raw const *callbacks, visible, logging)
+            }
+        });
+        note.leave();
+        if component.is_null() {
+            return Err(failure(Cause::NoInstance));
+        }
+        library.instances.fetch_add(1, Ordering::AcqRel);
+        Ok(Self {
+            functions: library.functions,
+            component,
+            note,
+            index,
+            name: name.to_owned(),
+            library: Arc::clone(library),
+            _callbacks: callbacks,
+            _registration: registration,
+            log: LogTap { sink, warned: false },
+            strings: Strings::default(),
+        })
+    }
+
+    /// Says when the run begins. Its end and a tolerance stay open.
+    ///
+    /// # Errors
+    /// The unit refuses.
+    pub fn setup_experiment(&mut self, start: Moment) -> Result<(), Failure> {
+        self.checked(start, Call::SetupExperiment, |functions, component| {
+            // SAFETY: plain numbers.
+            unsafe { (functions.setup_experiment)(component, FALSE, 0.0, start.time_s, FALSE, 0.0) }
+        })
+    }
+
+    /// Begins initialization.
+    ///
+    /// # Errors
+    /// The unit refuses.
+    pub fn enter_initialization_mode(&mut self, now: Moment) -> Result<(), Failure> {
+        self.checked(now, Call::EnterInitializationMode, |functions, component| {
+            // SAFETY: the component is this library's.
+            unsafe { (functions.enter_initialization_mode)(component) }
+        })
+    }
+
+    /// Ends initialization.
+    ///
+    /// # Errors
+    /// The unit refuses.
+    pub fn exit_initialization_mode(&mut self, now: Moment) -> Result<(), Failure> {
+        self.checked(now, Call::ExitInitializationMode, |functions, component| {
+            // SAFETY: the component is this library's.
+            unsafe { (functions.exit_initialization_mode)(component) }
+        })
+    }
+
+    /// Ends the run for this instance. After a `fmi2Fatal` of any instance of its library nothing is called.
+    ///
+    /// # Errors
+    /// The unit refuses.
+    pub fn terminate(&mut self, now: Moment) -> Result<(), Failure> {
+        if self.library.is_dead() {
+            return Ok(());
+        }
+        self.checked(now, Call::Terminate, |functions, component| {
+            // SAFETY: the component is this library's.
+            unsafe { (functions.terminate)(component) }
+        })
+    }
+
+    /// Frees the instance, as dropping it does.
+    pub fn free(self) {}
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        if self.library.is_dead() {
+            return;
+        }
+        self.note.enter(self.note.tick(), self.index, Doing::Call(Call::FreeInstance));
+        // SAFETY: the component is this library's, and nobody has it after this.
+        unsafe { (self.functions.free_instance)(self.component) };
+        self.note.leave();
+        self.library.instances.fetch_sub(1, Ordering::AcqRel);
+    }
+}

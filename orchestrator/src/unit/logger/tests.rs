@@ -1,0 +1,135 @@
+//! The logger as a unit in C calls it: variadic, through the function pointer that units get.
+
+use super::*;
+use crate::unit::board::{Board, BoardLayout, Note};
+use crate::unit::variable_names::VariableNames;
+use std::ffi::{CString, c_void};
+use std::ptr;
+use std::sync::Mutex;
+
+struct Heard {
+    registration: Registration,
+    messages: Arc<Mutex<Vec<LogMessage>>>,
+}
+
+fn note() -> Note {
+    Board::private(&BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap().note(0)
+}
+
+fn listen(name: &str) -> Heard {
+    let messages = Arc::new(Mutex::new(Vec::new()));
+    let sink = Arc::clone(&messages);
+    let registration = Registration::new(Environment {
+        instance: 4,
+        name: name.to_owned(),
+        note: note(),
+        names: Arc::new(VariableNames::default()),
+        sink: Arc::new(move |message| sink.lock().unwrap().push(message)),
+    });
+    Heard { registration, messages }
+}
+
+impl Heard {
+    fn text(&self) -> String {
+        self.messages.lock().unwrap().pop().unwrap().text
+    }
+}
+
+/// Calls the logger variadically, as C does.
+macro_rules! log {
+    ($heard:expr, $format:expr $(, $argument:expr)*) => {{
+        let handle = $heard.registration.handle();
+        // SAFETY: the formats below fit their arguments.
+        unsafe { LOGGER(handle, c"unit".as_ptr(), 0, c"logAll".as_ptr(), $format.as_ptr() $(, $argument)*) };
+    }};
+}
+
+#[test]
+fn printf_arguments_of_every_kind_arrive() {
+    let heard = listen("printf");
+    log!(heard, c"plain\n");
+    assert_eq!(heard.text(), "plain");
+    log!(heard, c"%d %ld %s %c %5.2f|%-6x|", -3_i32, 1_i64 << 40, c"text".as_ptr(), 65_i32, 2.71828_f64, 255_i32);
+    assert_eq!(heard.text(), "-3 1099511627776 text A  2.72|ff    |");
+    log!(
+        heard,
+        c"%g %g %g %g %g %g %g %g %g %g %d %d",
+        1.0_f64,
+        2.0_f64,
+        3.0_f64,
+        4.0_f64,
+        5.0_f64,
+        6.0_f64,
+        7.0_f64,
+        8.0_f64,
+        9.0_f64,
+        10.0_f64,
+        11_i32,
+        12_i32
+    );
+    assert_eq!(heard.text(), "1 2 3 4 5 6 7 8 9 10 11 12");
+    log!(heard, c"%d %d %d %g %s", 1_i32, 2_i32, 3_i32, 0.5_f64, c"end".as_ptr());
+    assert_eq!(heard.text(), "1 2 3 0.5 end");
+}
+
+#[test]
+fn long_messages_arrive_whole_and_endless_ones_are_cut() {
+    let heard = listen("long");
+    let long = CString::new("x".repeat(6000)).unwrap();
+    log!(heard, c"<%s>", long.as_ptr());
+    assert_eq!(heard.text(), format!("<{}>", "x".repeat(6000)));
+    let endless = CString::new("é".repeat(70_000)).unwrap();
+    log!(heard, c"%s", endless.as_ptr());
+    let text = heard.text();
+    assert!(text.starts_with(&"é".repeat(LONGEST_TEXT / 2)) && text.ends_with("bytes more"), "{}", text.len());
+    log!(heard, c"%900000d", 1_i32);
+    assert!((LONGEST_TEXT..LONGEST_TEXT + 100).contains(&heard.text().len()));
+}
+
+#[test]
+fn a_format_that_writes_memory_is_not_obeyed() {
+    let heard = listen("hostile");
+    let mut written = 0_i32;
+    log!(heard, c"abc%n", &raw mut written);
+    assert_eq!((heard.text().as_str(), written), ("abc%n (format refused: %n)", 0));
+}
+
+#[test]
+fn nulls_unknown_statuses_and_broken_utf8_become_a_message() {
+    let heard = listen("odd");
+    let handle = heard.registration.handle();
+    // SAFETY: the handler takes NULL for any text.
+    unsafe { LOGGER(handle, ptr::null(), 42, ptr::null(), ptr::null()) };
+    // SAFETY: no argument is asked for.
+    unsafe { LOGGER(handle, ptr::null(), -1, ptr::null(), c"\xff ok".as_ptr()) };
+    let messages = heard.messages.lock().unwrap();
+    let told: Vec<_> = messages.iter().map(|m| (m.instance, m.status, m.category.as_str(), m.text.as_str())).collect();
+    assert_eq!(told, [(Some(4), 42, "", ""), (Some(4), -1, "", "\u{fffd} ok")]);
+}
+
+#[test]
+fn a_wrong_environment_is_recognised_by_the_instances_name() {
+    let heard = listen("lost and found");
+    let on_the_stack = 0_u8;
+    let foreign = (&raw const on_the_stack).cast_mut().cast::<c_void>();
+    // SAFETY: the environment is only ever compared.
+    unsafe { LOGGER(foreign, c"lost and found".as_ptr(), 0, ptr::null(), c"here".as_ptr()) };
+    assert_eq!(heard.messages.lock().unwrap()[0].instance, Some(4));
+    drop(heard.registration);
+    // SAFETY: as above; the instance is gone, and so is its message.
+    unsafe { LOGGER(foreign, c"lost and found".as_ptr(), 0, ptr::null(), c"nobody".as_ptr()) };
+    assert!(heard.messages.lock().unwrap().iter().all(|message| message.text != "nobody"));
+}
+
+#[test]
+fn a_panicking_sink_does_not_reach_the_unit() {
+    let registration = Registration::new(Environment {
+        instance: 0,
+        name: "panics".to_owned(),
+        note: note(),
+        names: Arc::new(VariableNames::default()),
+        sink: Arc::new(|_| panic!("expected by this test")),
+    });
+    // SAFETY: no argument is asked for.
+    unsafe { LOGGER(registration.handle(), ptr::null(), 0, ptr::null(), c"text".as_ptr()) };
+}
