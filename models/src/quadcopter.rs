@@ -97,7 +97,7 @@ impl State {
         let plant = Plant::new(parameters);
         let (count, inner_s) = stepping::inner_steps(duration_s, INNER_STEP_S);
         for _ in 0..count {
-            *self = plant.runge_kutta_step(self, inputs, turbulence.factors(), inner_s);
+            *self = plant.runge_kutta_step(self, inputs, turbulence.trembling(parameters.ground_turbulence), inner_s);
             contact::settle(&mut self.body, inner_s);
             turbulence.advance(inner_s);
         }
@@ -106,7 +106,7 @@ impl State {
     /// Returns the sum of the rotors' thrusts in N for this state and these inputs.
     #[must_use]
     pub fn thrust_n(&self, parameters: &Parameters, inputs: &Inputs, turbulence: &GroundTurbulence) -> f64 {
-        Plant::new(parameters).thrusts_n(self, inputs, turbulence.factors()).iter().sum()
+        Plant::new(parameters).thrusts_n(self, inputs, turbulence.trembling(parameters.ground_turbulence)).iter().sum()
     }
 
     /// Returns roll, pitch and yaw in radians; pitch is positive nose down.

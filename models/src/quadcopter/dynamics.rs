@@ -12,9 +12,9 @@
 //! |----------|------------------|-------|----------------------------------------------------------------------|
 //! | P_i, T_i | `thrusts_n`      | N     | thrust of rotor i with and without ground                            |
 //! | e_i      | `effectiveness`  | 1     | what is left of rotor i; scales m_p ω_i² too                         |
-//! | r_i      | `hubs_body_m`    | m    | hub of rotor i: right, front, left, rear                             |
+//! | r_i      | `hubs_body_m`    | m     | hub of rotor i: right, front, left, rear                             |
 //! | s_i      | `SPIN`           | 1     | 1 where the rotor turns counter-clockwise seen from above            |
-//! | f, W     | `drag_n`, `wind` | N, m/s | drag, wind; world axes                                              |
+//! | f, W     | `drag_n`, `wind` | N, m/s | drag, wind; world axes                                             |
 //! | η        | `cos_tilt`       | rad   | between the thrust and the vertical                                  |
 //! | A        | `disc_area_m2`   | m²    | disc of a rotor                                                      |
 //!

@@ -6,7 +6,7 @@
 //!
 //! | Symbol | Here                     | Unit | Meaning                                                     |
 //! |--------|--------------------------|------|-------------------------------------------------------------|
-//! | σ_ge   | `intensity`              | 1    | standard deviation on the ground, as a part of the thrust   |
+//! | σ_ge   | `intensity`, parameter   | 1    | standard deviation on the ground, as a part of the thrust   |
 //! | n_i    | `samples`                | 1    | process of rotor i, standard deviation 1                    |
 //! | τ      | [`CORRELATION_TIME_S`]   | s    | correlation time                                            |
 //! | h      | `duration_s`             | s    | inner step; n is held over it                               |
@@ -14,7 +14,7 @@
 //!
 //! Geng & Chulin (2016) name this trembling as the reason for a controller mode of its own near the ground, but give no
 //! formula; this one is the project's. The update is exact for any step (Gillespie (1996)), so its statistics do not
-//! depend on it. Rotors draw in order, once for the start and once for each inner step; with σ_ge = 0 nothing is drawn.
+//! depend on it. Rotors draw in order, once for the start and once for each inner step, whatever σ_ge and the height are.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,6 @@ pub const CORRELATION_TIME_S: f64 = 0.05;
 /// The four processes with the generator that drives them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GroundTurbulence {
-    intensity: f64,
     samples: [f64; 4],
     generator: Generator,
 }
@@ -34,30 +33,21 @@ pub struct GroundTurbulence {
 impl GroundTurbulence {
     /// Starts the processes in their stationary distribution.
     #[must_use]
-    pub fn new(intensity: f64, seed: u64, stream: u64) -> Self {
+    pub fn new(seed: u64, stream: u64) -> Self {
         let mut generator = Generator::new(seed, stream);
-        let samples = if intensity > 0.0 { core::array::from_fn(|_| generator.normal()) } else { [0.0; 4] };
-        Self { intensity, samples, generator }
-    }
-
-    /// Returns a process that never trembles.
-    #[must_use]
-    pub fn none() -> Self {
-        Self::new(0.0, 0, 0)
+        Self { samples: core::array::from_fn(|_| generator.normal()), generator }
     }
 
     /// Returns σ_ge n_i of each rotor.
-    pub(super) fn factors(&self) -> [f64; 4] {
-        self.samples.map(|sample| self.intensity * sample)
+    pub(super) fn trembling(&self, intensity: f64) -> [f64; 4] {
+        self.samples.map(|sample| intensity * sample)
     }
 
     pub(super) fn advance(&mut self, duration_s: f64) {
-        if self.intensity > 0.0 {
-            let kept = libm::exp(-duration_s / CORRELATION_TIME_S);
-            let fresh = (1.0 - kept * kept).sqrt();
-            for sample in &mut self.samples {
-                *sample = kept * *sample + fresh * self.generator.normal();
-            }
+        let kept = libm::exp(-duration_s / CORRELATION_TIME_S);
+        let fresh = (1.0 - kept * kept).sqrt();
+        for sample in &mut self.samples {
+            *sample = kept * *sample + fresh * self.generator.normal();
         }
     }
 }
@@ -69,11 +59,11 @@ mod tests {
     #[test]
     fn its_variance_and_correlation_do_not_depend_on_the_step() {
         for (step_s, steps_in_tau) in [(0.0025, 20), (0.01, 5)] {
-            let mut turbulence = GroundTurbulence::new(0.05, 1, 4);
+            let mut turbulence = GroundTurbulence::new(1, 4);
             let trace: Vec<f64> = (0..200_000)
                 .map(|_| {
                     turbulence.advance(step_s);
-                    turbulence.factors()[2] / 0.05
+                    turbulence.trembling(1.0)[2]
                 })
                 .collect();
             let lagged = |lag: usize| {
@@ -82,12 +72,5 @@ mod tests {
             assert!((lagged(0) - 1.0).abs() < 0.05, "variance {}", lagged(0));
             assert!((lagged(steps_in_tau) - libm::exp(-1.0)).abs() < 0.05, "after τ {}", lagged(steps_in_tau));
         }
-    }
-
-    #[test]
-    fn without_intensity_there_is_no_factor() {
-        let mut turbulence = GroundTurbulence::none();
-        turbulence.advance(0.01);
-        assert_eq!(turbulence.factors(), [0.0; 4]);
     }
 }

@@ -27,7 +27,7 @@ fn a_hover_holds_its_place_in_8_m_s_of_wind() {
             wind_world_m_s: Vector3::new(8.0, 0.0, 0.0),
             effectiveness: [1.0; 4],
         };
-        state.step(&plant, &inputs, SAMPLE_TIME_S, &mut GroundTurbulence::none());
+        state.step(&plant, &inputs, SAMPLE_TIME_S, &mut GroundTurbulence::new(1, 4));
         let error_m = state.body.position_m - start_m;
         horizontal_m = horizontal_m.max(error_m.xy().norm());
         vertical_m = vertical_m.max(error_m.z.abs());
@@ -47,7 +47,7 @@ fn fly_a_to_h(mean_m_s: f64, turbulence_m_s: f64) -> (f64, f64, quadcopter::Stat
     let flight = trajectory::Parameters::default();
     let air = wind::Parameters { turbulence_m_s, ..wind::Parameters::default() };
     let mut state = quadcopter::State::start(&plant, Vector3::zeros(), Vector3::zeros(), 0.0, false);
-    let mut trembling = GroundTurbulence::new(plant.ground_turbulence, 1, 4);
+    let mut trembling = GroundTurbulence::new(1, 4);
     let mut controller = State::default();
     let around = |body: &vehicle::State| wind::Inputs {
         mean_world_m_s: Vector3::new(mean_m_s, 0.0, 0.0),
