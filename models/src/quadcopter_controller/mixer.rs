@@ -13,7 +13,8 @@
 //! | k, m_p, l  | parameters                  |       | coefficients of thrust and torque, arm                   |
 //!
 //! Frame: body, ours. Thrust comes first: moments are cut so that no rotor of a pair needs less than nothing or more
-//! than k ω_max²; only beyond 10 N can a full yaw moment cost thrust. In wind the rotors give more than k ω²; the integral of the outer loop makes up for it.
+//! than k ω_max²; only beyond 10 N can a full yaw moment cost thrust. In wind the rotors give more than k ω²; the
+//! integral of the outer loop makes up for it.
 //! Source: the moments of Geng & Chulin (2016), eq. 13, solved for the thrusts; the limits are this project's.
 
 use nalgebra::Vector3;
