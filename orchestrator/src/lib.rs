@@ -10,12 +10,15 @@
 //! Whatever a unit does to its process, the parent still holds the rows and the last words.
 
 pub mod claims;
+pub mod expression;
 pub mod failure;
 pub mod message;
 pub mod plan;
+pub mod report;
 pub mod step_loop;
 pub mod supervise;
 pub mod trace;
 pub mod unit;
+pub mod values;
 pub mod wiring;
 pub mod worker;

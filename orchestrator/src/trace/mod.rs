@@ -1,1 +1,106 @@
-//! To be written.
+//! What a run leaves behind: the folder, its files and their formats.
+//!
+//! The parent of a run writes all of it; the loop only hands over rows. `trace.csv`, `signals.json` and `verdict.json`
+//! have the same bytes wherever and whenever the run is repeated; what differs between hosts stands in `run.json` alone.
+
+pub mod csv;
+pub mod run_folder;
+pub mod run_record;
+pub mod signals;
+pub mod table;
+pub mod verdict;
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a run's folder could not be used or written.
+#[derive(Debug)]
+pub enum TraceError {
+    /// Another run writes into the folder now.
+    Locked(PathBuf),
+    /// The folder holds something that is not a run's.
+    Foreign(PathBuf),
+    /// The system refused.
+    Io {
+        /// What was being done: `create`, `write`.
+        doing: &'static str,
+        /// To which file or folder.
+        path: PathBuf,
+        /// What the system said.
+        error: io::Error,
+    },
+}
+
+impl TraceError {
+    fn io(doing: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
+        move |error| Self::Io { doing, path: path.to_owned(), error }
+    }
+
+    /// What the user can do about it, where there is something.
+    #[must_use]
+    pub fn help(&self) -> Option<&'static str> {
+        match self {
+            Self::Locked(_) => Some("wait for it, or give this run a folder of its own with --out DIR"),
+            Self::Foreign(_) => Some("only a folder of an earlier run is replaced; choose another with --out DIR"),
+            Self::Io { .. } => None,
+        }
+    }
+}
+
+impl fmt::Display for TraceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Locked(path) => write!(f, "another run is writing into {}", path.display()),
+            Self::Foreign(path) => write!(f, "{} is not empty and holds no run.json of ours", path.display()),
+            Self::Io { doing, path, error } => write!(f, "cannot {doing} {}: {error}", path.display()),
+        }
+    }
+}
+
+impl std::error::Error for TraceError {}
+
+/// The decimal that people and programs read back to the same number: shortest, without `.0`.
+#[must_use]
+pub fn shortest_decimal(value: f64) -> String {
+    let mut buffer = zmij::Buffer::new();
+    let text = buffer.format(value);
+    text.strip_suffix(".0").unwrap_or(text).to_owned()
+}
+
+/// The time of a tick in seconds, as units receive it.
+#[must_use]
+pub fn tick_time_s(tick: u64, step_ns: u64) -> f64 {
+    (tick * step_ns) as f64 / 1e9
+}
+
+/// Values as the JSON files of a run write them: indented, a line break at the end.
+fn json_text(value: &impl serde::Serialize) -> String {
+    match serde_json::to_string_pretty(value) {
+        Ok(text) => text + "\n",
+        Err(error) => unreachable!("plain data with string keys always has a JSON text: {error}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_decimal_is_the_shortest_that_reads_back_to_the_same_bits() {
+        let numbers = [0.1, -0.0, 1.0, 5e-324, 1e16, 1e-7, 123_456_789_012_345.0, f64::MAX, 1.0 / 3.0];
+        let texts = numbers.map(shortest_decimal);
+        for (number, text) in numbers.iter().zip(&texts) {
+            assert_eq!(text.parse::<f64>().map(f64::to_bits), Ok(number.to_bits()), "{text}");
+        }
+        assert_eq!(texts[..5], ["0.1", "-0", "1", "5e-324", "1e+16"].map(String::from));
+        assert_eq!(shortest_decimal(f64::NAN), "NaN");
+        assert_eq!(shortest_decimal(f64::NEG_INFINITY), "-inf");
+    }
+
+    #[test]
+    fn the_time_of_a_tick_is_the_number_nearest_to_its_decimal() {
+        assert_eq!(tick_time_s(3, 5_000_000), 0.015);
+        assert_eq!(tick_time_s(1_234_567, 1_000_000), 1234.567);
+    }
+}

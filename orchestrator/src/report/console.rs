@@ -1,0 +1,132 @@
+//! Standard error during a run: lines that stay, and on a terminal one line under them that changes.
+
+use super::progress::{Progress, Tenths};
+use std::io::{self, IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+/// How progress is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Style {
+    /// One line that is written over.
+    Live,
+    /// A line for each tenth.
+    Tenths,
+    /// A JSON line for each tenth.
+    Json,
+}
+
+impl Style {
+    /// What suits standard error; `json` for `--progress json`.
+    #[must_use]
+    pub fn fitting(json: bool) -> Self {
+        match (json, io::stderr().is_terminal()) {
+            (true, _) => Self::Json,
+            (false, true) => Self::Live,
+            (false, false) => Self::Tenths,
+        }
+    }
+}
+
+/// How often a line on a terminal changes.
+const REFRESH: Duration = Duration::from_millis(100);
+
+/// Writes lines and progress in turn.
+#[derive(Debug)]
+pub struct Console<W: Write> {
+    out: W,
+    style: Style,
+    tenths: Tenths,
+    shown: Option<Instant>,
+}
+
+impl Console<io::Stderr> {
+    /// Standard error.
+    #[must_use]
+    pub fn stderr(style: Style) -> Self {
+        Self::new(io::stderr(), style)
+    }
+}
+
+impl<W: Write> Console<W> {
+    /// A console on any writer.
+    pub fn new(out: W, style: Style) -> Self {
+        Self { out, style, tenths: Tenths::default(), shown: None }
+    }
+
+    /// Prints a line that stays.
+    pub fn say(&mut self, text: &str) {
+        self.clear();
+        // Nobody listening is no reason to end a run.
+        let _ = writeln!(self.out, "{text}");
+    }
+
+    /// Tells how far the run is, if it is time to; `progress` is asked only then.
+    pub fn progress(&mut self, part: f64, progress: impl FnOnce() -> Progress) {
+        match self.style {
+            Style::Live => {
+                if self.shown.is_none_or(|shown| shown.elapsed() >= REFRESH) {
+                    // Carriage return, erase to the end, no wrapping while the line is written.
+                    let _ = write!(self.out, "\r\x1b[K\x1b[?7l{}\x1b[?7h", progress().line());
+                    let _ = self.out.flush();
+                    self.shown = Some(Instant::now());
+                }
+            }
+            Style::Tenths => {
+                if let Some(percent) = self.tenths.due(part) {
+                    let _ = writeln!(self.out, "{percent:3} %  {}", progress().line());
+                }
+            }
+            Style::Json => {
+                if self.tenths.due(part).is_some() {
+                    let _ = writeln!(self.out, "{}", progress().json());
+                }
+            }
+        }
+    }
+
+    /// Takes away the line that changes.
+    pub fn clear(&mut self) {
+        if self.shown.take().is_some() {
+            let _ = write!(self.out, "\r\x1b[K");
+            let _ = self.out.flush();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(style: Style) -> String {
+        let mut bytes = Vec::new();
+        let mut console = Console::new(&mut bytes, style);
+        for time_s in [0.0, 1.0, 2.0] {
+            console.progress(time_s / 2.0, || Progress { time_s, stop_s: 2.0, wall_s: 0.5, claims: vec![] });
+        }
+        console.say("0.5 s  quad  warning  low battery");
+        console.clear();
+        String::from_utf8(bytes).unwrap()
+    }
+
+    #[test]
+    fn a_line_that_stays_takes_the_place_of_the_one_that_changes() {
+        assert_eq!(
+            told(Style::Live),
+            "\r\x1b[K\x1b[?7l0.00 s of 2 s  0x\x1b[?7h\r\x1b[K0.5 s  quad  warning  low battery\n"
+        );
+    }
+
+    #[test]
+    fn without_a_terminal_there_is_a_line_for_each_tenth_reached() {
+        assert_eq!(
+            told(Style::Tenths),
+            " 50 %  1.00 s of 2 s  2x  0.5 s left\n100 %  2.00 s of 2 s  4x\n0.5 s  quad  warning  low battery\n"
+        );
+    }
+
+    #[test]
+    fn machines_get_one_json_object_a_line() {
+        let text = told(Style::Json);
+        assert_eq!(text.lines().filter(|line| line.starts_with('{') && line.ends_with('}')).count(), 2);
+    }
+}

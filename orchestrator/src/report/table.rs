@@ -1,0 +1,242 @@
+//! The table of claims at the end of a run.
+
+use super::number::{beside, duration, short};
+use crate::trace::shortest_decimal;
+use crate::trace::verdict::{JudgedClaim, Judgement, Verdict};
+use dsl::scenario::Parameter;
+use std::fmt::Write;
+use std::path::Path;
+
+/// What the table tells besides the claims.
+#[derive(Clone, Copy, Debug)]
+pub struct Heading<'a> {
+    /// The script as the user named it.
+    pub script: &'a str,
+    /// How the run ended.
+    pub ending: Ending,
+    /// The simulated seconds that the script asks for.
+    pub stop_s: f64,
+    /// How long it took.
+    pub wall_s: f64,
+}
+
+/// How a run ended, as far as the heading tells it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// By itself.
+    Finished,
+    /// A unit or the machine ended it.
+    Broken,
+    /// The user ended it.
+    Interrupted,
+}
+
+/// The report of a run: heading, a line for each claim, how many failed and the line that replays it.
+#[must_use]
+pub fn report(heading: &Heading, verdict: &Verdict, replay: &str) -> String {
+    let mut text = heading_line(heading, verdict);
+    text.push_str(&claim_lines(heading.script, &verdict.claims));
+    text.push_str(&count_line(verdict, replay));
+    text
+}
+
+/// The lines that lead on from a run: its folder, its picture, the comparison with another.
+#[must_use]
+pub fn next_lines(folder: &Path, recorded: bool) -> String {
+    let folder = shell_word(&folder.to_string_lossy());
+    if !recorded {
+        return format!("{folder}\n");
+    }
+    format!("{folder}\n  lockstep plot {folder}\n  lockstep diff {folder} OTHER\n")
+}
+
+/// The command that repeats a run: the script with what the command line set.
+#[must_use]
+pub fn replay_command(script: &str, parameters: &[Parameter], units: &[String]) -> String {
+    let mut line = format!("lockstep run {}", shell_word(script));
+    for parameter in parameters.iter().filter(|parameter| parameter.set) {
+        let _ = write!(line, " --set {}", shell_word(&format!("{} = {}", parameter.name, parameter.value)));
+    }
+    for folder in units {
+        let _ = write!(line, " --units {}", shell_word(folder));
+    }
+    line
+}
+
+/// A word as a shell takes it whole.
+fn shell_word(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./+:@%,".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        return text.to_owned();
+    }
+    format!("'{}'", text.replace('\'', "'\\''"))
+}
+
+fn heading_line(heading: &Heading, verdict: &Verdict) -> String {
+    let (reached, stop) = (shortest_decimal(verdict.time_s), shortest_decimal(heading.stop_s));
+    let how_far = match heading.ending {
+        Ending::Finished if verdict.time_s < heading.stop_s => format!("{reached} s of {stop} s, {},", verdict.end),
+        Ending::Finished => format!("{reached} s"),
+        Ending::Broken => format!("broke at {reached} s of {stop} s,"),
+        Ending::Interrupted => format!("interrupted at {reached} s of {stop} s,"),
+    };
+    let speed = if heading.wall_s > 0.0 { short(verdict.time_s / heading.wall_s) } else { "inf".to_owned() };
+    let parameters = parameters_line(&verdict.parameters);
+    format!("{}  {how_far} in {} ({speed}x)  {parameters}\n", heading.script, duration(heading.wall_s))
+}
+
+/// The seed first, then the others as declared.
+fn parameters_line(parameters: &[Parameter]) -> String {
+    let is_seed = |parameter: &&Parameter| parameter.name == "seed";
+    let seed = parameters.iter().filter(is_seed);
+    let others = parameters.iter().filter(|parameter| !is_seed(parameter));
+    let told: Vec<_> = seed.chain(others).map(|parameter| format!("{} {}", parameter.name, parameter.value)).collect();
+    told.join(", ")
+}
+
+fn claim_lines(script: &str, claims: &[JudgedClaim]) -> String {
+    let rows: Vec<[String; 4]> = claims.iter().map(|claim| cells(script, claim)).collect();
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths = [width(0), width(1), width(2)];
+    let mut text = String::new();
+    for [verdict, name, margin, detail] in &rows {
+        let [verdict_width, name_width, margin_width] = widths;
+        let line = format!("  {verdict:verdict_width$}  {name:name_width$}  {margin:margin_width$}  {detail}");
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+fn cells(script: &str, claim: &JudgedClaim) -> [String; 4] {
+    let (verdict, detail) = match claim.verdict {
+        Judgement::Ok => ("ok", claim.claim.clone()),
+        Judgement::Failed => ("FAILED", format!("{script}:{}  {}", claim.line, what_was_seen(claim))),
+        Judgement::Unjudged => ("unjudged", format!("{script}:{}  {}", claim.line, claim.claim)),
+    };
+    [verdict.to_owned(), claim.name.clone(), margin(claim), detail]
+}
+
+fn what_was_seen(claim: &JudgedClaim) -> String {
+    let (Some(limit), Some(seen), Some(margin)) = (claim.limit, claim.seen, claim.margin) else {
+        return claim.claim.clone();
+    };
+    let unit = unit_suffix(claim);
+    format!("limit {}{unit}, seen {}{unit}", shortest_decimal(limit), beside(seen, margin))
+}
+
+/// The margin with a column for its sign, so that digits stand under digits.
+fn margin(claim: &JudgedClaim) -> String {
+    let Some(at_s) = claim.at_s else { return " - the run ended before".to_owned() };
+    let at = shortest_decimal(at_s);
+    match claim.margin {
+        Some(margin) if margin < 0.0 => format!("{}{} at {at} s", short(margin), unit_suffix(claim)),
+        Some(margin) => format!(" {}{} at {at} s", short(margin), unit_suffix(claim)),
+        None => format!(" - at {at} s"),
+    }
+}
+
+fn unit_suffix(claim: &JudgedClaim) -> String {
+    claim.unit.as_ref().map_or_else(String::new, |unit| format!(" {unit}"))
+}
+
+fn count_line(verdict: &Verdict, replay: &str) -> String {
+    let (count, all) = (verdict.count(), verdict.claims.len());
+    let lost = match (count.failed, count.unjudged) {
+        _ if all == 0 => return "No claims in this script: nothing was judged.\n".to_owned(),
+        (0, 0) if all == 1 => return "The claim holds.\n".to_owned(),
+        (0, 0) => return format!("All {all} claims hold.\n"),
+        (0, open) => format!("{open} of {all} claims could not be judged."),
+        (failed, 0) => format!("{failed} of {all} claims failed."),
+        (failed, open) => format!("{failed} of {all} claims failed, {open} could not be judged."),
+    };
+    format!("{lost}  {replay} replays it\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::message::Reason;
+    use crate::trace::verdict::Finding;
+    use crate::trace::verdict::tests::{claim, finding, scenario};
+    use crate::trace::verdict::{Verdict, reason_text};
+    use dsl::scenario::Claim;
+
+    const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
+    fn told(heading: Heading, last_tick: u64, reason: &Reason, judged: Vec<(Claim, Finding)>) -> String {
+        let mut scenario = scenario();
+        let findings: Vec<_> = judged.iter().map(|(_, finding)| *finding).collect();
+        scenario.claims = judged.into_iter().map(|(claim, _)| claim).collect();
+        let end = reason_text(reason, &scenario);
+        let verdict = Verdict::new(&scenario, "quad.scn", last_tick, end, &findings);
+        let replay = replay_command(heading.script, &scenario.parameters, &[]);
+        report(&heading, &verdict, &replay) + &next_lines(Path::new("runs/quad"), true)
+    }
+
+    fn heading(ending: Ending) -> Heading<'static> {
+        Heading { script: "scenarios/quad.scn", ending, stop_s: 90.0, wall_s: 6.2 }
+    }
+
+    #[test]
+    fn a_report_shows_margins_in_line_and_where_a_lost_claim_stands() {
+        let judged = vec![
+            (
+                claim("clear", "always world.clearance > 0.8 m", Some(("m", 1.0)), Some((0.8, false))),
+                finding(Judgement::Ok, 1.3149, 4235),
+            ),
+            (
+                claim("arrive", "eventually within 85 s hold for 2 s there", Some(("m", 1.0)), None),
+                finding(Judgement::Ok, 0.12, 7102),
+            ),
+            (
+                claim("tilt", "always quad.tilt < 35 deg", Some(("deg", DEGREE)), Some((35.0, true))),
+                finding(Judgement::Failed, -2.4 * DEGREE, 3188),
+            ),
+            (claim("landed", "eventually quad.landed", None, None), finding(Judgement::Ok, f64::INFINITY, 8000)),
+            (
+                claim("ratio", "always quad.a / quad.b < 2", Some(("", 1.0)), Some((2.0, true))),
+                finding(Judgement::Failed, -1e-7, 1),
+            ),
+        ];
+        insta::assert_snapshot!(told(heading(Ending::Finished), 9000, &Reason::StopTime, judged));
+    }
+
+    #[test]
+    fn a_run_that_ended_early_says_so() {
+        let judged = || {
+            let landed = claim("landed", "eventually quad.landed", None, None);
+            vec![(landed, finding(Judgement::Unjudged, 0.0, 0))]
+        };
+        let texts = [
+            told(heading(Ending::Broken), 1234, &Reason::StopTime, judged()),
+            told(heading(Ending::Interrupted), 1234, &Reason::Interrupted, judged()),
+            told(heading(Ending::Finished), 1234, &Reason::Terminated(0), judged()),
+        ];
+        insta::assert_snapshot!(texts.join("\n"));
+    }
+
+    #[test]
+    fn the_last_line_counts_what_was_lost() {
+        let make = |verdicts: &[Judgement]| {
+            let judged = verdicts.iter().map(|&verdict| (claim("a", "b", None, None), finding(verdict, 0.0, 0)));
+            let text = told(heading(Ending::Finished), 9000, &Reason::StopTime, judged.collect());
+            text.lines().nth(verdicts.len() + 1).map(str::to_owned).unwrap_or_default()
+        };
+        let replay = "lockstep run scenarios/quad.scn --set 'gust = 4 m/s' replays it";
+        use Judgement::{Failed, Ok, Unjudged};
+        assert_eq!(make(&[]), "No claims in this script: nothing was judged.");
+        assert_eq!(make(&[Ok]), "The claim holds.");
+        assert_eq!(make(&[Ok, Ok]), "All 2 claims hold.");
+        assert_eq!(make(&[Ok, Unjudged]), format!("1 of 2 claims could not be judged.  {replay}"));
+        assert_eq!(make(&[Failed, Ok]), format!("1 of 2 claims failed.  {replay}"));
+        assert_eq!(make(&[Failed, Unjudged]), format!("1 of 2 claims failed, 1 could not be judged.  {replay}"));
+    }
+
+    #[test]
+    fn a_replay_line_survives_the_shell() {
+        let parameter = |value: &str| Parameter { name: "load".to_owned(), value: value.to_owned(), set: true };
+        let line = replay_command("my runs/a.scn", &[parameter("5 'N.m'")], &["units".to_owned()]);
+        assert_eq!(line, r#"lockstep run 'my runs/a.scn' --set 'load = 5 '\''N.m'\''' --units units"#);
+    }
+}

@@ -1,0 +1,93 @@
+//! What units said and what is known of a stepping process that died, in the words that the user reads.
+
+use crate::failure::{Cause, Doing, Failure};
+use crate::message::LogMessage;
+use crate::trace::{shortest_decimal, tick_time_s};
+use crate::unit::board::InCall;
+use dsl::scenario::Scenario;
+use fmi2::c::Status;
+use std::os::unix::process::ExitStatusExt;
+use std::process::ExitStatus;
+
+/// A unit's message with instance and time.
+pub(super) fn log_line(said: &LogMessage, scenario: &Scenario) -> String {
+    let time = shortest_decimal(tick_time_s(said.tick, scenario.step_ns));
+    let instance = said.instance.and_then(|instance| scenario.instances.get(instance));
+    let name = instance.map_or("-", |instance| instance.name.as_str());
+    let status = match Status::from_raw(said.status) {
+        Some(Status::Ok) => "info".to_owned(),
+        Some(Status::Warning) => "warning".to_owned(),
+        Some(Status::Discard) => "discard".to_owned(),
+        Some(Status::Error) => "error".to_owned(),
+        Some(Status::Fatal) => "fatal".to_owned(),
+        Some(Status::Pending) => "pending".to_owned(),
+        None => format!("status {}", said.status),
+    };
+    format!("{time} s  {name}  {status}  {}", said.text.trim_end())
+}
+
+/// The failure of a process that was in this call, or in none, when it happened.
+pub(super) fn failure(call: Option<InCall>, tick: u64, scenario: &Scenario, cause: Cause) -> Failure {
+    let time_s = |tick| Some(tick_time_s(tick, scenario.step_ns));
+    let Some(call) = call else {
+        return Failure { instance: None, doing: Doing::BetweenCalls, time_s: time_s(tick), cause };
+    };
+    let instance = scenario.instances.get(call.instance).map(|instance| instance.name.clone());
+    let time_s = if call.doing == Doing::Load { None } else { time_s(call.tick) };
+    Failure { instance, doing: call.doing, time_s, cause }
+}
+
+/// What an exit status says about a process that had not said that it was done.
+pub(super) fn cause_of_death(status: ExitStatus) -> Cause {
+    match (status.signal(), status.code()) {
+        (Some(signal), _) => Cause::Signal(signal),
+        (None, Some(code)) => Cause::Exit(code),
+        (None, None) => Cause::Other(format!("the stepping process ended: {status}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::verdict::tests::scenario;
+    use fmi2::calls::Call;
+
+    #[test]
+    fn a_units_words_come_with_time_instance_and_status() {
+        let line = |instance, status, text: &str| {
+            let said =
+                LogMessage { instance, tick: 1234, status, category: "logStatusWarning".into(), text: text.into() };
+            log_line(&said, &scenario())
+        };
+        assert_eq!(line(Some(0), 1, "low battery: 7 %\n"), "12.34 s  quad  warning  low battery: 7 %");
+        assert_eq!(line(None, 0, "hello"), "12.34 s  -  info  hello");
+        assert_eq!(line(Some(0), 77, "what?"), "12.34 s  quad  status 77  what?");
+    }
+
+    #[test]
+    fn a_process_that_dies_in_a_call_breaks_that_instance() {
+        let call = InCall { tick: 1234, instance: 0, doing: Doing::Call(Call::DoStep), count: 99 };
+        let failure = failure(Some(call), 1233, &scenario(), cause_of_death(ExitStatus::from_raw(11)));
+        assert_eq!(failure.to_string(), "`quad` died of signal 11 (SIGSEGV) in fmi2DoStep at 12.34 s");
+    }
+
+    #[test]
+    fn an_exit_without_a_last_word_is_a_failure_even_with_code_0() {
+        let call = InCall { tick: 0, instance: 0, doing: Doing::Load, count: 1 };
+        let failure = failure(Some(call), 0, &scenario(), cause_of_death(ExitStatus::from_raw(0)));
+        assert_eq!(failure.to_string(), "`quad` ended its process (exit code 0) in the loading of its library");
+    }
+
+    #[test]
+    fn a_note_that_memory_corruption_wrote_names_no_instance() {
+        let call = InCall { tick: 7, instance: 5_000_000, doing: Doing::Call(Call::DoStep), count: 1 };
+        let failure = failure(Some(call), 7, &scenario(), Cause::Signal(6));
+        assert_eq!(failure.instance, None);
+    }
+
+    #[test]
+    fn a_death_between_calls_is_nobodys() {
+        let failure = failure(None, 100, &scenario(), Cause::Signal(9));
+        assert_eq!(failure.to_string(), "the stepping process died of signal 9 (SIGKILL) between calls at 1 s");
+    }
+}

@@ -1,0 +1,74 @@
+//! Whether a call takes too long, in time that the parent itself lived through.
+//!
+//! A parent that was suspended or starved counts little of the gap: the stepping process may have stood still with it.
+
+use std::time::Duration;
+
+/// The most that one look can count, however long ago the last one was.
+const LONGEST_LOOK: Duration = Duration::from_millis(100);
+
+/// Counts the time that the same call has been in progress.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Watchdog {
+    limit: Duration,
+    still: Duration,
+    call: Option<u64>,
+}
+
+impl Watchdog {
+    pub fn new(limit: Duration) -> Self {
+        Self { limit, still: Duration::ZERO, call: None }
+    }
+
+    pub fn limit(&self) -> Duration {
+        self.limit
+    }
+
+    /// Takes a look, `since` after the last one, at the number of the call in progress, if one is; says whether it has
+    /// been the same for as long as it may.
+    pub fn bites(&mut self, since: Duration, call: Option<u64>) -> bool {
+        if call.is_none() || call != self.call {
+            self.call = call;
+            self.still = Duration::ZERO;
+            return false;
+        }
+        self.still += since.min(LONGEST_LOOK);
+        self.still >= self.limit
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LOOK: Duration = Duration::from_millis(50);
+
+    fn looks_until_it_bites(dog: &mut Watchdog, since: Duration, call: impl Fn(usize) -> Option<u64>) -> Option<usize> {
+        (0..1000).find(|&look| dog.bites(since, call(look)))
+    }
+
+    #[test]
+    fn a_call_that_stays_the_same_for_the_limit_is_too_long() {
+        let mut dog = Watchdog::new(Duration::from_secs(1));
+        assert_eq!(looks_until_it_bites(&mut dog, LOOK, |_| Some(7)), Some(20));
+    }
+
+    #[test]
+    fn a_new_call_starts_the_count_again() {
+        let mut dog = Watchdog::new(Duration::from_secs(1));
+        assert_eq!(looks_until_it_bites(&mut dog, LOOK, |look| Some(look as u64 / 19)), None);
+    }
+
+    #[test]
+    fn time_between_calls_is_nobodys_fault() {
+        let mut dog = Watchdog::new(Duration::from_secs(1));
+        assert_eq!(looks_until_it_bites(&mut dog, LOOK, |_| None), None);
+    }
+
+    #[test]
+    fn an_hour_of_suspension_counts_as_one_look() {
+        let mut dog = Watchdog::new(Duration::from_secs(1));
+        assert!(!dog.bites(LOOK, Some(7)) && !dog.bites(Duration::from_secs(3600), Some(7)));
+        assert_eq!(looks_until_it_bites(&mut dog, LOOK, |_| Some(7)), Some(17));
+    }
+}

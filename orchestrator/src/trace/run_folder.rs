@@ -1,0 +1,236 @@
+//! The folder of a run: whose it is, its lock, and files that get their names when they are whole.
+//!
+//! `run.json` is there first and holds the lock as long as the run lives; it is the one file that is written in place.
+
+use super::TraceError;
+use super::run_record::RunRecord;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+/// The record of a run, and its lock.
+pub const RUN_JSON: &str = "run.json";
+/// The recorded rows.
+pub const TRACE_CSV: &str = "trace.csv";
+/// What each column of the trace is.
+pub const SIGNALS_JSON: &str = "signals.json";
+/// The claims and how they came out.
+pub const VERDICT_JSON: &str = "verdict.json";
+/// What a file is called until it is whole.
+pub const PARTIAL: &str = ".partial";
+
+/// What a run writes besides its record; an earlier run's are removed before a new one begins.
+const RESULTS: [&str; 3] = [TRACE_CSV, SIGNALS_JSON, VERDICT_JSON];
+
+/// A folder that this run owns until it is dropped.
+#[derive(Debug)]
+pub struct RunFolder {
+    path: PathBuf,
+    record: File,
+}
+
+impl RunFolder {
+    /// Makes the folder, or takes over that of an earlier run, whose results go; other files in it stay.
+    ///
+    /// # Errors
+    /// [`TraceError::Locked`] if another run writes there, [`TraceError::Foreign`] if it holds files but no `run.json`
+    /// of ours, else what the system refused.
+    pub fn claim(path: &Path, record: &RunRecord) -> Result<Self, TraceError> {
+        fs::create_dir_all(path).map_err(TraceError::io("create", path))?;
+        let file_path = path.join(RUN_JSON);
+        let occupied = fs::read_dir(path).map_err(TraceError::io("read", path))?.next().is_some();
+        let mut options = OpenOptions::new();
+        options.read(true).write(true);
+        let mut file = match options.create(!occupied).truncate(false).open(&file_path) {
+            Ok(file) => file,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(TraceError::Foreign(path.to_owned())),
+            Err(error) => return Err(TraceError::io("open", &file_path)(error)),
+        };
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(TraceError::Locked(path.to_owned())),
+            Err(TryLockError::Error(error)) => return Err(TraceError::io("lock", &file_path)(error)),
+        }
+        let mut earlier = Vec::new();
+        file.read_to_end(&mut earlier).map_err(TraceError::io("read", &file_path))?;
+        if occupied && !earlier.is_empty() && !RunRecord::is_one(&earlier) {
+            return Err(TraceError::Foreign(path.to_owned()));
+        }
+        let mut folder = Self { path: path.to_owned(), record: file };
+        folder.remove_results()?;
+        folder.note(record)?;
+        Ok(folder)
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Replaces what `run.json` says.
+    ///
+    /// # Errors
+    /// If the system refuses to write.
+    pub fn note(&mut self, record: &RunRecord) -> Result<(), TraceError> {
+        let text = record.json();
+        let mut write = || {
+            self.record.rewind()?;
+            self.record.write_all(text.as_bytes())?;
+            self.record.set_len(text.len() as u64)
+        };
+        write().map_err(TraceError::io("write", &self.path.join(RUN_JSON)))
+    }
+
+    /// Begins a file under its partial name.
+    ///
+    /// # Errors
+    /// If the system refuses to create it.
+    pub fn begin(&self, name: &str) -> Result<PartialFile, TraceError> {
+        let partial = self.path.join(format!("{name}{PARTIAL}"));
+        let file = File::create(&partial).map_err(TraceError::io("create", &partial))?;
+        Ok(PartialFile { file, partial, whole: self.path.join(name) })
+    }
+
+    /// Writes a whole file at once.
+    ///
+    /// # Errors
+    /// If the system refuses to write.
+    pub fn write(&self, name: &str, text: &str) -> Result<(), TraceError> {
+        let mut file = self.begin(name)?;
+        let written = file.write_all(text.as_bytes());
+        file.named(written)?;
+        file.finish()
+    }
+
+    fn remove_results(&self) -> Result<(), TraceError> {
+        for name in RESULTS {
+            for path in [self.path.join(name), self.path.join(format!("{name}{PARTIAL}"))] {
+                match fs::remove_file(&path) {
+                    Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                        return Err(TraceError::io("remove", &path)(error));
+                    }
+                    _ => {}
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A file that has its partial name until [`PartialFile::finish`].
+#[derive(Debug)]
+pub struct PartialFile {
+    file: File,
+    partial: PathBuf,
+    whole: PathBuf,
+}
+
+impl PartialFile {
+    /// Gives the file its final name.
+    ///
+    /// # Errors
+    /// If the system refuses to rename it.
+    pub fn finish(&self) -> Result<(), TraceError> {
+        fs::rename(&self.partial, &self.whole).map_err(TraceError::io("rename", &self.partial))
+    }
+
+    /// Adds the file's name to what writing said.
+    ///
+    /// # Errors
+    /// If writing failed.
+    pub fn named(&self, written: io::Result<()>) -> Result<(), TraceError> {
+        written.map_err(TraceError::io("write", &self.partial))
+    }
+}
+
+impl Write for PartialFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::run_record::tests::record;
+    use super::*;
+
+    #[test]
+    fn a_fresh_folder_says_running_before_anything_else_is_written() {
+        let home = tempfile::tempdir().unwrap();
+        let folder = RunFolder::claim(&home.path().join("runs/a"), &record()).unwrap();
+        let text = fs::read_to_string(folder.path().join(RUN_JSON)).unwrap();
+        assert!(text.contains("\"state\": \"running\""), "{text}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_folder_in_use_is_refused_and_free_again_when_its_run_is_over() {
+        let home = tempfile::tempdir().unwrap();
+        let first = RunFolder::claim(home.path(), &record()).unwrap();
+        let refused = RunFolder::claim(home.path(), &record()).unwrap_err();
+        assert!(matches!(refused, TraceError::Locked(_)), "{refused}");
+        assert!(refused.help().unwrap().contains("--out"));
+        drop(first);
+        RunFolder::claim(home.path(), &record()).unwrap();
+    }
+
+    #[test]
+    fn a_folder_with_somebody_elses_files_is_refused_and_left_alone() {
+        for (name, text) in [("thesis.tex", "words"), (RUN_JSON, "{\"of\": \"another tool\"}")] {
+            let home = tempfile::tempdir().unwrap();
+            fs::write(home.path().join(name), text).unwrap();
+            let refused = RunFolder::claim(home.path(), &record()).unwrap_err();
+            assert!(matches!(refused, TraceError::Foreign(_)), "{refused}");
+            assert_eq!(fs::read_to_string(home.path().join(name)).unwrap(), text);
+            assert_eq!(fs::read_dir(home.path()).unwrap().count(), 1);
+        }
+    }
+
+    #[test]
+    fn an_earlier_runs_results_go_and_what_was_added_by_hand_stays() {
+        let home = tempfile::tempdir().unwrap();
+        drop(RunFolder::claim(home.path(), &record()).unwrap());
+        for name in ["trace.csv", "verdict.json", "trace.csv.partial", "notes.txt"] {
+            fs::write(home.path().join(name), "old").unwrap();
+        }
+        let _folder = RunFolder::claim(home.path(), &record()).unwrap();
+        let mut names: Vec<_> = fs::read_dir(home.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        assert_eq!(names, ["notes.txt", "run.json"]);
+    }
+
+    #[test]
+    fn a_file_gets_its_name_when_it_is_whole() {
+        let home = tempfile::tempdir().unwrap();
+        let folder = RunFolder::claim(home.path(), &record()).unwrap();
+        let mut file = folder.begin(TRACE_CSV).unwrap();
+        file.write_all(b"time\n").unwrap();
+        assert!(home.path().join("trace.csv.partial").exists() && !home.path().join(TRACE_CSV).exists());
+        file.finish().unwrap();
+        assert_eq!(fs::read(home.path().join(TRACE_CSV)).unwrap(), b"time\n");
+        assert!(!home.path().join("trace.csv.partial").exists());
+    }
+
+    #[test]
+    fn a_shorter_record_leaves_nothing_of_a_longer_one() {
+        let home = tempfile::tempdir().unwrap();
+        let mut long = record();
+        long.scenario = "x".repeat(5000);
+        let mut folder = RunFolder::claim(home.path(), &long).unwrap();
+        folder.note(&record()).unwrap();
+        assert_eq!(fs::read_to_string(home.path().join(RUN_JSON)).unwrap(), record().json());
+    }
+
+    #[test]
+    fn an_error_of_the_system_names_the_file() {
+        let home = tempfile::tempdir().unwrap();
+        let folder = RunFolder::claim(home.path(), &record()).unwrap();
+        let error = folder.begin("no/such/folder.csv").unwrap_err().to_string();
+        assert!(error.starts_with("cannot create ") && error.contains("no/such/folder.csv.partial: "), "{error}");
+    }
+}

@@ -1,0 +1,137 @@
+//! `signals.json`: what each column of the trace is, so that a reader needs no unit and no script.
+
+use super::csv::CsvColumn;
+use dsl::scenario::{Column, Scenario};
+use fmi2::description::{ModelDescription, Variable};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// One column of the trace.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Signal<'a> {
+    /// The name in the trace's header.
+    pub name: &'a str,
+    /// Its unit of measure, as its FMU names it.
+    pub unit: Option<&'a str>,
+    /// The instance; `None` for `time`.
+    pub instance: Option<&'a str>,
+    /// The variable's name in its FMU; `None` for `time`.
+    pub variable: Option<&'a str>,
+    /// `Real`, `Integer`, `Boolean` or `Enumeration`.
+    #[serde(rename = "type")]
+    pub kind: &'static str,
+    /// `output`, `input`, …
+    pub causality: &'static str,
+    /// The FMU's words.
+    pub description: Option<&'a str>,
+    /// The names of an enumeration's numbers.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub items: BTreeMap<i32, &'a str>,
+}
+
+/// The text of the file for the columns of a scenario; `description_of` hands out the description of an instance.
+pub fn json<'a>(scenario: &'a Scenario, description_of: impl Fn(usize) -> &'a ModelDescription) -> String {
+    let time = Signal {
+        name: "time",
+        unit: Some("s"),
+        instance: None,
+        variable: None,
+        kind: "Real",
+        causality: "independent",
+        description: Some("Simulated time"),
+        items: BTreeMap::new(),
+    };
+    let of_columns = scenario.columns.iter().map(|column| {
+        signal(column, &scenario.instances[column.port.instance].name, description_of(column.port.instance))
+    });
+    super::json_text(&std::iter::once(time).chain(of_columns).collect::<Vec<_>>())
+}
+
+/// The columns as `trace.csv` needs them.
+pub fn csv_columns<'a>(scenario: &Scenario, description_of: impl Fn(usize) -> &'a ModelDescription) -> Vec<CsvColumn> {
+    let base_type = |column: &Column| description_of(column.port.instance).variables[column.port.variable].base_type();
+    scenario
+        .columns
+        .iter()
+        .map(|column| CsvColumn { name: column.name.clone(), base_type: base_type(column) })
+        .collect()
+}
+
+fn signal<'a>(column: &'a Column, instance: &'a str, description: &'a ModelDescription) -> Signal<'a> {
+    let variable = &description.variables[column.port.variable];
+    Signal {
+        name: &column.name,
+        unit: description.unit_of(variable),
+        instance: Some(instance),
+        variable: Some(&variable.name),
+        kind: kind_name(variable),
+        causality: variable.causality.name(),
+        description: variable.description.as_deref(),
+        items: description.items_of(variable).iter().map(|item| (item.value, item.name.as_str())).collect(),
+    }
+}
+
+fn kind_name(variable: &Variable) -> &'static str {
+    use fmi2::description::Kind;
+    match variable.kind {
+        Kind::Real(_) => "Real",
+        Kind::Integer { .. } => "Integer",
+        Kind::Boolean { .. } => "Boolean",
+        Kind::String { .. } => "String",
+        Kind::Enumeration { .. } => "Enumeration",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::verdict::tests::scenario;
+    use dsl::scenario::Port;
+    use fmi2::description::{BaseType, Causality, Item, Kind, RealAttributes, RealVariable, SimpleType, TypeKind};
+    use fmi2::description::{Position, Variability};
+
+    fn variable(name: &str, kind: Kind) -> Variable {
+        Variable {
+            position: Position::default(),
+            name: name.to_owned(),
+            value_reference: 0,
+            description: None,
+            causality: Causality::Output,
+            variability: Variability::Continuous,
+            initial: None,
+            declared_type: None,
+            kind,
+        }
+    }
+
+    fn description() -> ModelDescription {
+        let attributes = RealAttributes { unit: Some("m".to_owned()), ..RealAttributes::default() };
+        let mut height = variable("height", Kind::Real(RealVariable { attributes, ..RealVariable::default() }));
+        height.description = Some("Height over ground".to_owned());
+        let mut method = variable("method", Kind::Enumeration { start: None, min: None, max: None });
+        method.declared_type = Some("Method".to_owned());
+        let item =
+            |name: &str, value| Item { name: name.to_owned(), value, description: None, position: Position::default() };
+        let items = vec![item("grid", 1), item("ant_colony", 2)];
+        let types = vec![SimpleType {
+            position: Position::default(),
+            name: "Method".to_owned(),
+            description: None,
+            kind: TypeKind::Enumeration { quantity: None, items },
+        }];
+        ModelDescription { variables: vec![height, method], types, ..ModelDescription::default() }
+    }
+
+    #[test]
+    fn each_column_tells_unit_instance_causality_description_and_items() {
+        let mut scenario = scenario();
+        for (name, variable) in [("quad.height", 0), ("quad.method", 1)] {
+            scenario.columns.push(Column { name: name.to_owned(), port: Port { instance: 0, variable } });
+        }
+        let description = description();
+        insta::assert_snapshot!(json(&scenario, |_| &description));
+        let types: Vec<_> =
+            csv_columns(&scenario, |_| &description).into_iter().map(|column| column.base_type).collect();
+        assert_eq!(types, [BaseType::Real, BaseType::Integer]);
+    }
+}
