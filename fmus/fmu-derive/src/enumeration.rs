@@ -48,7 +48,6 @@ pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
 
         // SAFETY: the enum shows itself as a whole.
         #[automatically_derived]
-        #[allow(unsafe_code, reason = "the derive keeps the promise of the trait")]
         unsafe impl ::fmu::Port for #ident {
             type Start = Self;
             type Bound = ::fmu::NoBound;

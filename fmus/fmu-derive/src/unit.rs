@@ -24,7 +24,6 @@ pub fn derive_fmu(input: &DeriveInput) -> Result<TokenStream> {
     Ok(quote! {
         // SAFETY: only fields of the struct are visited, always the same ones in the same order.
         #[automatically_derived]
-        #[allow(unsafe_code, reason = "the derive keeps the promise of the trait")]
         unsafe impl ::fmu::Ports for #ident {
             const NAME: ::core::option::Option<&'static str> = #name;
             const DESCRIPTION: &'static str = #description;
@@ -53,7 +52,6 @@ pub fn derive_group(input: &DeriveInput) -> Result<TokenStream> {
     Ok(quote! {
         // SAFETY: only fields of the struct are visited, always the same ones in the same order.
         #[automatically_derived]
-        #[allow(unsafe_code, reason = "the derive keeps the promise of the trait")]
         unsafe impl ::fmu::Port for #ident {
             type Start = Self;
             type Bound = ::fmu::NoBound;

@@ -64,8 +64,7 @@ macro_rules! export {
 macro_rules! export_functions {
     ($library:ident $($name:ident($($argument:ident: $type:ty),*) = $function:ident($($passed:expr),*);)*) => {
         /// The functions of FMI 2.0 for co-simulation; `fmu::abi` says what they ask of their callers.
-        #[allow(unsafe_code, reason = "an importer finds the functions by their unmangled names")]
-        #[allow(non_snake_case, clippy::missing_safety_doc, reason = "names and contract are the standard's")]
+        #[allow(missing_docs, non_snake_case, clippy::missing_safety_doc, reason = "all three are the standard's")]
         pub mod exported {
             use $crate::abi;
             use $crate::fmi2::c::CallbackFunctions;
