@@ -56,7 +56,7 @@ pub struct Inputs {
 }
 
 /// All that the next step starts from.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct State {
     /// The rigid body.
     pub body: vehicle::State,

@@ -23,6 +23,13 @@ pub struct Generator {
     spare_normal: Option<f64>,
 }
 
+impl Default for Generator {
+    /// Seed 0, stream 0.
+    fn default() -> Self {
+        Self::new(0, 0)
+    }
+}
+
 impl Generator {
     /// Starts the sequence that belongs to `seed` and `stream`; different streams of one seed are independent.
     #[must_use]

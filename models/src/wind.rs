@@ -98,7 +98,7 @@ impl Gust {
 }
 
 /// The state of the turbulence; steady wind and gusts have none.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct State {
     turbulence: dryden::Turbulence,
     samples_drawn: u64,

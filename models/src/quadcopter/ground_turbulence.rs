@@ -24,7 +24,7 @@ use crate::random::Generator;
 pub const CORRELATION_TIME_S: f64 = 0.05;
 
 /// The four processes with the generator that drives them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct GroundTurbulence {
     samples: [f64; 4],
     generator: Generator,

@@ -104,7 +104,7 @@ impl Lateral {
 }
 
 /// The three filters with the generator that drives them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Turbulence {
     longitudinal_m_s: f64,
     lateral: [f64; 2],
