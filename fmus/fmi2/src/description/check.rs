@@ -65,7 +65,8 @@ impl<'a> Report<'a> {
             if name.is_empty() {
                 self.error(rule, position, format!("{what} has no name"));
             } else if let Some(first) = seen.get(name) {
-                let at = if first.line > 0 { format!(", first in line {}", first.line) } else { String::new() };
+                let elsewhere = first.line > 0 && *first != position;
+                let at = if elsewhere { format!(", first in line {}", first.line) } else { String::new() };
                 self.error(rule, position, format!("{what} named `{name}` stands here a second time{at}"));
             } else {
                 seen.insert(name, position);

@@ -30,7 +30,7 @@ pub fn read(bytes: &[u8]) -> Result<(ModelDescription, Vec<Finding>), Finding> {
     }
     let (text, odd_encoding) = encoding::decode(bytes)?;
     let options = roxmltree::ParsingOptions { allow_dtd: false, nodes_limit: MAX_NODES, ..Default::default() };
-    let document = roxmltree::Document::parse_with_options(&text, options).map_err(|error| not_xml(&error))?;
+    let document = roxmltree::Document::parse_with_options(&text, options).map_err(|error| not_xml(&error, &text))?;
     let source = Source::new(&text);
     source.extend(odd_encoding);
     let root = Element::new(document.root_element(), &source);
@@ -38,31 +38,36 @@ pub fn read(bytes: &[u8]) -> Result<(ModelDescription, Vec<Finding>), Finding> {
         let message = format!("the root element is `{}`; expected `fmiModelDescription`", root.name());
         return Err(Finding::error("2.2.1", root.position(), message));
     }
-    match root.attribute("fmiVersion") {
-        Some(version) if !version.trim().starts_with('2') => {
-            let message = format!("the unit is made for FMI {version}; expected FMI 2.0");
-            return Err(Finding::error("2.2.1", root.position(), message));
-        }
-        _ => {}
+    // A missing version is for the checker; another major version is another format.
+    let version = root.attribute("fmiVersion").unwrap_or_default().trim();
+    if !version.is_empty() && version.split('.').next() != Some("2") {
+        let message = format!("the unit is made for FMI {version}; expected FMI 2.0");
+        return Err(Finding::error("2.2.1", root.position(), message));
     }
     let model = header::model_description(&root);
     Ok((model, source.into_findings()))
 }
 
 /// What the XML parser says, without the position that the finding has of its own.
-fn not_xml(error: &roxmltree::Error) -> Finding {
+fn not_xml(error: &roxmltree::Error, text: &str) -> Finding {
+    use roxmltree::Error;
     let at = error.pos();
-    let message = match error {
-        roxmltree::Error::DtdDetected => {
-            "a document type definition is refused: it could pull in other files".to_owned()
+    let said = error.to_string();
+    let said = said.strip_suffix(&format!(" at {}:{}", at.row, at.col)).unwrap_or(&said);
+    let parsed = Position { line: at.row, column: at.col };
+    let (position, message) = match error {
+        Error::DtdDetected => {
+            let before = text.split("<!DOCTYPE").next().unwrap_or_default();
+            (encoding::end_of(before), "a document type definition is refused: it could pull in other files".to_owned())
         }
-        roxmltree::Error::NodesLimitReached => format!("the file has more than {MAX_NODES} elements and texts"),
-        other => {
-            let said = other.to_string();
-            said.strip_suffix(&format!(" at {}:{}", at.row, at.col)).map_or(said.clone(), str::to_owned)
+        Error::NodesLimitReached => (parsed, format!("the file has more than {MAX_NODES} elements and texts")),
+        Error::UnexpectedEndOfStream | Error::UnclosedRootNode => {
+            (encoding::end_of(text), "the file ends before its root element does".to_owned())
         }
+        Error::NoRootNode => (parsed, "the file has no root element".to_owned()),
+        _ => (parsed, said.to_owned()),
     };
-    Finding::error("XML", Position { line: at.row, column: at.col }, message)
+    Finding::error("XML", position, message)
 }
 
 #[cfg(test)]

@@ -94,7 +94,7 @@ fn default_experiment(xml: &mut Xml, experiment: &DefaultExperiment) {
 fn unit_definition(xml: &mut Xml, unit: &UnitDefinition) {
     let scale = |xml: &mut Xml, factor: f64, offset: f64| {
         xml.put_number("factor", Some(factor).filter(|&factor| factor != 1.0));
-        xml.put_number("offset", Some(offset).filter(|&offset| offset != 0.0));
+        xml.put_number("offset", Some(offset).filter(|offset| offset.to_bits() != 0));
     };
     xml.begin("Unit");
     xml.put("name", &unit.name);
@@ -310,4 +310,4 @@ impl Xml {
 }
 
 #[cfg(test)]
-mod tests;
+pub(in crate::description) mod tests;

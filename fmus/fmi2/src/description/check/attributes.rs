@@ -12,9 +12,8 @@ pub(super) struct Place<'a> {
     pub(super) what: &'a str,
 }
 
-/// Finite numbers, a positive nominal value, a defined unit, and a display unit that belongs to it; `inherited` is the unit of
-/// the declared type.
-pub(super) fn check(report: &mut Report, place: &Place, real: &RealAttributes, inherited: Option<&str>) {
+/// Finite numbers, a positive nominal value, and a defined unit.
+pub(super) fn check(report: &mut Report, place: &Place, real: &RealAttributes) {
     let Place { rule, position, what } = *place;
     for (name, value) in [("min", real.min), ("max", real.max), ("nominal", real.nominal)] {
         match value {
@@ -32,6 +31,11 @@ pub(super) fn check(report: &mut Report, place: &Place, real: &RealAttributes, i
     {
         report.error(rule, position, format!("{what} has the unit `{unit}`, which UnitDefinitions does not define"));
     }
+}
+
+/// A display unit that belongs to the unit, the own or the inherited one of the declared type.
+pub(super) fn display_unit(report: &mut Report, place: &Place, real: &RealAttributes, inherited: Option<&str>) {
+    let Place { rule, position, what } = *place;
     let Some(display) = &real.display_unit else { return };
     let Some(unit) = real.unit.as_deref().or(inherited) else {
         report.error(rule, position, format!("{what} has the displayUnit `{display}`, but no unit"));

@@ -18,11 +18,15 @@ pub(super) fn check(report: &mut Report) {
     let mut arrays: BTreeMap<(&str, &str), (Vec<u32>, &str)> = BTreeMap::new();
     for (name, position) in names().filter(|(name, _)| !name.is_empty()) {
         if let Err(rest) = structured(name) {
-            let at = name.chars().count() - rest.chars().count();
-            let found = rest.chars().next().map_or("the end".to_owned(), |letter| format!("`{letter}`"));
+            let read = &name[..name.len() - rest.len()];
+            let why = match rest.chars().next() {
+                None => "it ends too early".to_owned(),
+                Some(letter) if read.is_empty() => format!("`{letter}` cannot begin it"),
+                Some(letter) => format!("`{letter}` cannot follow `{read}`"),
+            };
             let message = format!(
-                "`{name}` is no structured name: {found} cannot stand after {at} characters. Quote the part ('odd name') or \
-                 declare variableNamingConvention=\"flat\""
+                "`{name}` is no structured name: {why}. Quote the part, as in 'odd name', or declare \
+                 variableNamingConvention=\"flat\""
             );
             report.error(RULE, position, message);
             continue;

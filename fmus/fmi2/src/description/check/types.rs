@@ -22,7 +22,8 @@ pub(super) fn check(report: &mut Report) {
         match &declared.kind {
             TypeKind::Real(real) => {
                 let place = attributes::Place { rule: RULE, position: declared.position, what: &what };
-                attributes::check(report, &place, real, None);
+                attributes::check(report, &place, real);
+                attributes::display_unit(report, &place, real, None);
                 attributes::range(report, &place, real.min, real.max);
             }
             TypeKind::Integer { min, max } => {

@@ -158,18 +158,14 @@ fn declared_type(report: &mut Report, variable: &Variable) {
 
 fn real_variable(report: &mut Report, variable: &Variable, real: &RealVariable) {
     let (name, at, model) = (&variable.name, variable.position, report.model);
-    let declared = variable.declared_type.as_deref().and_then(|declared| report.types.get(declared));
-    let inherited = declared.and_then(|declared| match &declared.kind {
-        TypeKind::Real(real) => real.unit.as_deref(),
-        _ => None,
-    });
     let what = format!("`{name}`");
-    attributes::check(
-        report,
-        &attributes::Place { rule: RULE, position: at, what: &what },
-        &real.attributes,
-        inherited,
-    );
+    let place = attributes::Place { rule: RULE, position: at, what: &what };
+    attributes::check(report, &place, &real.attributes);
+    // The unit of a type that nobody defined is unknown.
+    let type_is_known = variable.declared_type.as_deref().is_none_or(|declared| report.types.contains_key(declared));
+    if type_is_known {
+        attributes::display_unit(report, &place, &real.attributes, model.unit_of(variable));
+    }
     if real.reinit && !model.has_model_exchange {
         report.warning(RULE, at, format!("`{name}` has reinit, which means something for model exchange only"));
     }

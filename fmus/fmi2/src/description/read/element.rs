@@ -81,22 +81,25 @@ impl<'a> Element<'a> {
         self.node.children().filter(roxmltree::Node::is_element).map(move |node| Self::new(node, source))
     }
 
-    /// What `read` makes of the child elements of this name, one after the other; others are reported as unknown, and so is a
-    /// list without any.
-    pub(super) fn items<T>(&self, rule: &'static str, name: &str, read: impl Fn(&Self) -> Option<T>) -> Vec<T> {
-        let (mut items, mut empty) = (Vec::new(), true);
+    /// What `read` makes of the child elements of this name, one after the other; others are reported as unknown.
+    pub(super) fn each<T>(&self, rule: &'static str, name: &str, read: impl Fn(&Self) -> Option<T>) -> Vec<T> {
+        let mut items = Vec::new();
         for child in self.children() {
             if child.name() == name {
                 items.extend(read(&child));
-                empty = false;
             } else {
                 child.unknown(rule, self.name());
             }
         }
-        if empty {
-            self.error(rule, format!("`{}` is empty; a list without a `{name}` must be left out", self.name()));
-        }
         items
+    }
+
+    /// The same for a list that must not be empty, which is something that the checker cannot see any more.
+    pub(super) fn items<T>(&self, rule: &'static str, name: &str, read: impl Fn(&Self) -> Option<T>) -> Vec<T> {
+        if self.children().all(|child| child.name() != name) {
+            self.error(rule, format!("`{}` is empty; a list without any `{name}` must be left out", self.name()));
+        }
+        self.each(rule, name, read)
     }
 
     /// Reports the element as unknown inside `parent`.

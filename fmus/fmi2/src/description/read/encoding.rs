@@ -84,7 +84,7 @@ fn windows_1252(bytes: &[u8]) -> String {
 }
 
 /// The position just behind a text.
-fn end_of(text: &str) -> Position {
+pub(super) fn end_of(text: &str) -> Position {
     let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     let last = text.rsplit('\n').next().unwrap_or_default();
     Position { line: count(text.matches('\n').count() + 1), column: count(last.chars().count() + 1) }

@@ -84,7 +84,7 @@ fn type_kind(element: &Element) -> Option<TypeKind> {
         "String" => TypeKind::String,
         "Enumeration" => {
             element.expect_attributes("2.2.3", &["quantity"]);
-            TypeKind::Enumeration { quantity: element.text("quantity"), items: element.items("2.2.3", "Item", item) }
+            TypeKind::Enumeration { quantity: element.text("quantity"), items: element.each("2.2.3", "Item", item) }
         }
         _ => return None,
     })

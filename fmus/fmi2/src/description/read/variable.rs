@@ -7,7 +7,7 @@ use crate::description::{Causality, Initial, Kind, RealVariable, Variability, Va
 const RULE: &str = "2.2.7";
 
 pub(super) fn variables(element: &Element) -> Vec<Variable> {
-    element.items(RULE, "ScalarVariable", |element| Some(variable(element)))
+    element.each(RULE, "ScalarVariable", |element| Some(variable(element)))
 }
 
 fn variable(element: &Element) -> Variable {
