@@ -170,10 +170,6 @@ fn real_variable(report: &mut Report, variable: &Variable, real: &RealVariable) 
         report.warning(RULE, at, format!("`{name}` has reinit, which means something for model exchange only"));
     }
     let Some(index) = real.derivative else { return };
-    if variable.variability != Variability::Continuous {
-        let message = format!("`{name}` is a derivative and {}; expected continuous", variable.variability.name());
-        report.error(RULE, at, message);
-    }
     let message = match model.variables.get(index) {
         None => format!(
             "`{name}` is the derivative of variable {}; indices go from 1 to {}",

@@ -61,10 +61,6 @@ fn mistakes_in_units_and_types_of_variables_are_found() {
         ("derivative=\"7\"", "derivative=\"0\""),
         ("derivative=\"7\"", "derivative=\"8\""),
         ("derivative=\"7\"", "derivative=\"3\""),
-        (
-            "name=\"der(level)\" valueReference=\"5\" causality=\"local\" variability=\"continuous\"",
-            "name=\"rate\" valueReference=\"5\" variability=\"discrete\""
-        ),
     ]));
 }
 
