@@ -1,0 +1,76 @@
+//! Holds a unit to its promises about states: `init` begins anew, a written state loses nothing.
+
+use super::Findings;
+use super::moves::others;
+use super::subject::Subject;
+use crate::library::Library;
+
+/// Steps before and after a state is written.
+const STEPS: u32 = 5;
+
+/// `init` leaves the same unit behind however often it runs, and whatever was set before the last time.
+///
+/// # Errors
+///
+/// What remained of an earlier `init`.
+pub fn init_can_be_repeated(library: &'static Library) -> Result<(), Findings> {
+    let mut subject = Subject::new(library);
+    let broken = |cause: String| Findings(vec![cause]);
+    let init = |subject: &mut Subject| {
+        subject.init().map_err(|fault| broken(format!("the unit does not start with its start values: {fault}")))?;
+        subject.bytes().map_err(|error| broken(format!("the state cannot be written: {error}")))
+    };
+    let once = init(&mut subject)?;
+    let mut found = Vec::new();
+    if init(&mut subject)? != once {
+        found.push("a second `init` changes what the first one left".to_owned());
+    }
+    for known in subject.variables(|variable| variable.has_start()) {
+        let start = subject.get(known);
+        for other in others(subject.description, known, &start) {
+            subject.set(known, &other);
+            // A unit may refuse the value; what it did before it refused must not remain either.
+            let refused = subject.init().is_err();
+            subject.set(known, &start);
+            if init(&mut subject)? != once {
+                let name = subject.name(known);
+                let refused = if refused { " and refused" } else { "" };
+                found.push(format!("`init` remembers that `{name}` was once {other:?}{refused}"));
+            }
+        }
+    }
+    Findings::none_or(found)
+}
+
+/// A unit that is written in mid-run and read again goes on with the same bits.
+///
+/// # Errors
+///
+/// What was lost on the way.
+pub fn a_saved_state_goes_on_bit_for_bit(library: &'static Library) -> Result<(), Findings> {
+    let mut subject = Subject::new(library);
+    let broken = |cause: String| Findings(vec![cause]);
+    let fault = |fault: crate::model::Fault| broken(format!("the unit does not run with its start values: {fault}"));
+    let unwritten = |error: postcard::Error| broken(format!("the state cannot be written and read: {error}"));
+    subject.init().map_err(fault)?;
+    let run = |subject: &mut Subject, steps: std::ops::Range<u32>| {
+        steps.map(|n| subject.step(f64::from(n) * subject.step_s, subject.step_s)).collect::<Result<(), _>>()
+    };
+    run(&mut subject, 0..STEPS).map_err(fault)?;
+    let (written, kept) = (subject.bytes().map_err(unwritten)?, subject.save());
+    run(&mut subject, STEPS..2 * STEPS).map_err(fault)?;
+    let end = subject.bytes().map_err(unwritten)?;
+    let mut found = Vec::new();
+    subject.restore(&*kept);
+    run(&mut subject, STEPS..2 * STEPS).map_err(fault)?;
+    if subject.bytes().map_err(unwritten)? != end {
+        found.push("a restored unit goes on otherwise: `Clone` leaves something out".to_owned());
+    }
+    let mut other = Subject::new(library);
+    other.read_bytes(&written).map_err(unwritten)?;
+    run(&mut other, STEPS..2 * STEPS).map_err(fault)?;
+    if other.bytes().map_err(unwritten)? != end {
+        found.push("a unit read from bytes goes on otherwise: `Serialize` leaves something out".to_owned());
+    }
+    Findings::none_or(found)
+}

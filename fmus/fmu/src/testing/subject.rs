@@ -1,0 +1,87 @@
+//! A unit under test: its variables by their index in the description, its steps without the C interface.
+
+use crate::body::Body;
+use crate::library::{Library, Unit};
+use crate::model::{Context, Fault};
+use crate::step::{Step, Time};
+use crate::visitor::Value;
+use fmi2::description::{Causality, Kind, ModelDescription, Variable};
+
+/// Step where the unit names none, in seconds.
+const STEP_S: f64 = 0.01;
+
+/// A unit that is set, stepped and read by a test.
+pub(super) struct Subject {
+    pub(super) description: &'static ModelDescription,
+    pub(super) step_s: f64,
+    body: Body,
+}
+
+impl Subject {
+    pub(super) fn new(library: &'static Library) -> Self {
+        let description = &library.described().description;
+        let step_s = description.default_experiment.and_then(|experiment| experiment.step_size);
+        Self { description, step_s: step_s.unwrap_or(STEP_S), body: Body::new(library) }
+    }
+
+    pub(super) fn variables(&self, wanted: impl Fn(&Variable) -> bool) -> Vec<usize> {
+        let indexed = self.description.variables.iter().enumerate();
+        indexed.filter(|(_, variable)| wanted(variable)).map(|(index, _)| index).collect()
+    }
+
+    pub(super) fn outputs(&self) -> Vec<usize> {
+        self.variables(|variable| variable.causality == Causality::Output)
+    }
+
+    pub(super) fn name(&self, variable: usize) -> &'static str {
+        &self.description.variables[variable].name
+    }
+
+    pub(super) fn get(&self, variable: usize) -> Value {
+        let variable = &self.description.variables[variable];
+        let slot = variable.value_reference as usize;
+        match variable.kind {
+            Kind::Real(_) => Value::Real(self.body.real(slot)),
+            Kind::Integer { .. } | Kind::Enumeration { .. } => Value::Integer(self.body.integer(slot)),
+            Kind::Boolean { .. } => Value::Boolean(self.body.boolean(slot)),
+            Kind::String { .. } => Value::String(self.body.string(slot).to_owned()),
+        }
+    }
+
+    pub(super) fn set(&mut self, variable: usize, value: &Value) {
+        let slot = self.description.variables[variable].value_reference as usize;
+        match value {
+            Value::Real(value) => self.body.set_real(slot, *value),
+            Value::Integer(value) => self.body.set_integer(slot, *value),
+            Value::Boolean(value) => self.body.set_boolean(slot, *value),
+            Value::String(value) => self.body.set_string(slot, value),
+        }
+    }
+
+    pub(super) fn init(&mut self) -> Result<(), Fault> {
+        self.body.unit_mut().init(&mut Context::default())
+    }
+
+    pub(super) fn step(&mut self, start_s: f64, length_s: f64) -> Result<(), Fault> {
+        let step = Step::new(Time::from_s(start_s), Time::from_s(length_s));
+        self.body.unit_mut().step(step, &mut Context::default()).map(drop)
+    }
+
+    pub(super) fn save(&self) -> Box<dyn Unit> {
+        self.body.unit().duplicate()
+    }
+
+    pub(super) fn restore(&mut self, saved: &dyn Unit) {
+        self.body.unit_mut().copy_from(saved);
+    }
+
+    pub(super) fn bytes(&self) -> Result<Vec<u8>, postcard::Error> {
+        self.body.unit().to_bytes()
+    }
+
+    pub(super) fn read_bytes(&mut self, bytes: &[u8]) -> Result<(), postcard::Error> {
+        let unit = self.body.unit().read_from(bytes)?;
+        self.restore(&*unit);
+        Ok(())
+    }
+}
