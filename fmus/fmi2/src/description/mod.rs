@@ -1,4 +1,4 @@
-//! `modelDescription.xml` as a data structure: [`read`], [`write`], [`check`].
+//! `modelDescription.xml` as a data structure: [`mod@read`], [`mod@write`], [`mod@check`].
 //!
 //! The structure mirrors the schema of FMI 2.0.5 for co-simulation; names are the schema's in Rust's spelling. Whatever
 //! was read remembers where it stood, so that every finding has a line and a column.

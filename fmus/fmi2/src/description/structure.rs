@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Position;
 
-/// `ModelStructure`; indices count from 0 into [`ModelDescription::variables`].
+/// `ModelStructure`; indices count from 0 into [`variables`](super::ModelDescription::variables).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ModelStructure {
     /// Where the element stands.
