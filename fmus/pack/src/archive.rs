@@ -58,8 +58,9 @@ fn entries(unit: &UnitCrate, library: &Path, xml: &str) -> Result<BTreeMap<Strin
         unit: unit.name.clone(),
         reason: "FMI 2.0 names no folder for this platform".to_owned(),
     })?;
-    let read =
-        |path: &Path| std::fs::read(path).map_err(|source| PackError::File { path: path.into(), doing: "read", source });
+    let read = |path: &Path| {
+        std::fs::read(path).map_err(|source| PackError::File { path: path.into(), doing: "read", source })
+    };
     let mut entries = BTreeMap::new();
     entries.insert("modelDescription.xml".to_owned(), xml.as_bytes().to_vec());
     let binary = format!("binaries/{platform}/{}{}", unit.identifier(), std::env::consts::DLL_SUFFIX);
@@ -89,7 +90,9 @@ fn page(title: &str, markdown: &str) -> String {
     let mut body = String::new();
     let options = pulldown_cmark::Options::ENABLE_TABLES;
     pulldown_cmark::html::push_html(&mut body, pulldown_cmark::Parser::new_ext(markdown, options));
-    format!("<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{title}</title></head>\n<body>\n{body}</body>\n</html>\n")
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{title}</title></head>\n<body>\n{body}</body>\n</html>\n"
+    )
 }
 
 fn zipped(unit: &UnitCrate, entries: &BTreeMap<String, Vec<u8>>) -> Result<Vec<u8>, PackError> {

@@ -64,10 +64,9 @@ impl fmt::Display for PackError {
             Self::NoUnit { manifest, reason } => write!(f, "{} is not a unit crate: {reason}", manifest.display()),
             Self::NoCargo(source) => write!(f, "cannot start cargo, which builds units: {source}"),
             Self::Build { unit } => write!(f, "unit `{unit}` does not build; cargo says why above"),
-            Self::NoLibrary { unit } => write!(
-                f,
-                "unit `{unit}` built no library: its Cargo.toml needs `[lib] crate-type = [\"cdylib\"]`"
-            ),
+            Self::NoLibrary { unit } => {
+                write!(f, "unit `{unit}` built no library: its Cargo.toml needs `[lib] crate-type = [\"cdylib\"]`")
+            }
             Self::Describe { unit, reason } => write!(f, "the library of unit `{unit}` gives no description: {reason}"),
             Self::Rules { unit, findings } => {
                 write!(f, "the description of unit `{unit}` breaks rules of FMI 2.0.5:\n{findings}")

@@ -36,7 +36,10 @@ mod tests {
 
     #[test]
     fn names_with_blanks_in_dep_info_stay_whole() {
-        assert_eq!(sources("/t/libx.so: /a/b.rs /a/my\\ file.rs\n"), [Path::new("/a/b.rs"), Path::new("/a/my file.rs")]);
+        assert_eq!(
+            sources("/t/libx.so: /a/b.rs /a/my\\ file.rs\n"),
+            [Path::new("/a/b.rs"), Path::new("/a/my file.rs")]
+        );
     }
 
     #[test]

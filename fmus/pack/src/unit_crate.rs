@@ -43,8 +43,11 @@ struct WorkspaceTable {
 }
 
 fn read(manifest: &Path) -> Result<Manifest, PackError> {
-    let text = std::fs::read_to_string(manifest)
-        .map_err(|source| PackError::File { path: manifest.to_path_buf(), doing: "read", source })?;
+    let text = std::fs::read_to_string(manifest).map_err(|source| PackError::File {
+        path: manifest.to_path_buf(),
+        doing: "read",
+        source,
+    })?;
     toml::from_str(&text)
         .map_err(|error| PackError::NoUnit { manifest: manifest.to_path_buf(), reason: error.message().to_owned() })
 }
