@@ -9,12 +9,17 @@
 //!
 //! Whatever a unit does to its process, the parent still holds the rows and the last words.
 
+pub mod catalogue;
 pub mod claims;
+pub mod cli;
+pub mod diff;
 pub mod expression;
 pub mod failure;
 pub mod message;
 pub mod plan;
+pub mod plot;
 pub mod report;
+pub mod script;
 pub mod step_loop;
 pub mod supervise;
 pub mod trace;

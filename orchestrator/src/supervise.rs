@@ -4,6 +4,8 @@
 
 mod last_words;
 mod stepping_process;
+#[cfg(test)]
+mod tests;
 mod watchdog;
 
 use crate::claims::Verdict;
@@ -23,6 +25,7 @@ use std::path::PathBuf;
 use std::process::ExitStatus;
 use std::time::{Duration, Instant};
 use std::{fmt, thread};
+pub use stepping_process::SUBCOMMAND;
 use stepping_process::SteppingProcess;
 use watchdog::Watchdog;
 

@@ -53,6 +53,12 @@ impl<W: Write> Console<W> {
         Self { out, style, tenths: Tenths::default(), shown: None }
     }
 
+    /// The writer, with nothing left to write.
+    pub fn into_inner(mut self) -> W {
+        self.clear();
+        self.out
+    }
+
     /// Prints a line that stays.
     pub fn say(&mut self, text: &str) {
         self.clear();

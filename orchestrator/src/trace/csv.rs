@@ -41,21 +41,20 @@ struct Cell {
 }
 
 impl<W: Write> CsvWriter<W> {
-    /// Begins with the header line.
-    ///
-    /// # Errors
-    /// What the writer says.
-    pub fn new(mut out: W, step_ns: u64, columns: &[CsvColumn]) -> io::Result<Self> {
+    /// Begins with the header line, which is written with the first piece.
+    pub fn new(out: W, step_ns: u64, columns: &[CsvColumn]) -> Self {
         let mut header = String::from("time");
         for column in columns {
             header.push(',');
             header.push_str(&quoted(&column.name));
         }
         header.push('\n');
-        out.write_all(header.as_bytes())?;
         let cells: Vec<Cell> = columns.iter().map(|column| Cell::new(column.base_type)).collect();
         let widest_row = (columns.len() + 2) * CELL_WIDTH;
-        Ok(Self { out, step_ns, cells, buffer: vec![0; PIECE + widest_row], filled: 0 })
+        let mut buffer = header.into_bytes();
+        let filled = buffer.len();
+        buffer.resize(filled.max(PIECE) + widest_row, 0);
+        Self { out, step_ns, cells, buffer, filled }
     }
 
     /// Adds the row of a tick: one slot for each column, the bits of a Real, else the number widened.
@@ -150,6 +149,20 @@ fn quoted(name: &str) -> String {
 pub type TraceFile = CsvWriter<super::run_folder::PartialFile>;
 
 impl TraceFile {
+    /// Begins with the header line; see [`CsvWriter::new`].
+    ///
+    /// # Errors
+    /// If the system refuses to write; the error names the file.
+    pub fn begin(
+        file: super::run_folder::PartialFile,
+        step_ns: u64,
+        columns: &[CsvColumn],
+    ) -> Result<Self, TraceError> {
+        let mut writer = Self::new(file, step_ns, columns);
+        writer.save()?;
+        Ok(writer)
+    }
+
     /// Ends the file and gives it its final name.
     ///
     /// # Errors
@@ -188,7 +201,7 @@ mod tests {
     }
 
     fn text(columns: &[CsvColumn], rows: &[&[u64]]) -> String {
-        let mut writer = CsvWriter::new(Vec::new(), 5_000_000, columns).unwrap();
+        let mut writer = CsvWriter::new(Vec::new(), 5_000_000, columns);
         for (tick, row) in (0..).zip(rows) {
             writer.row(tick, row).unwrap();
         }
@@ -229,7 +242,7 @@ mod tests {
     fn the_longest_numbers_fit_into_rows_that_cross_the_end_of_a_piece() {
         let columns = columns(&[("a.b", BaseType::Real); 40]);
         let longest = (-2.225_073_858_507_201_4e-308_f64).to_bits();
-        let mut writer = CsvWriter::new(Vec::new(), 1, &columns).unwrap();
+        let mut writer = CsvWriter::new(Vec::new(), 1, &columns);
         let rows = 3 * PIECE / (40 * 24);
         for tick in 0..rows as u64 {
             writer.row(tick, &[longest ^ (tick & 1); 40]).unwrap();

@@ -133,7 +133,7 @@ pub fn sha256(bytes: &[u8]) -> String {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::failure::{Cause, Doing};
     use fmi2::calls::Call;

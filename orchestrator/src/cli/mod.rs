@@ -1,0 +1,68 @@
+//! The command line: one file for each subcommand; each runs and returns its exit code.
+
+pub mod describe;
+pub mod diff;
+pub mod pack;
+pub mod plot;
+pub mod run;
+
+use clap::{Parser, Subcommand};
+
+/// Runs scenarios of FMI 2.0 co-simulation units in lockstep and judges what their scripts claim.
+#[derive(Debug, Parser)]
+#[command(name = "lockstep", version, propagate_version = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Run(run::Run),
+    Describe(describe::Describe),
+    Pack(pack::Pack),
+    Plot(plot::Plot),
+    Diff(diff::Diff),
+    /// What a run starts to hold the units; not for people
+    #[command(hide = true)]
+    StepLoop,
+}
+
+impl Cli {
+    /// Runs the command and returns the exit code of the process.
+    #[must_use]
+    pub fn run(self) -> u8 {
+        match self.command {
+            Command::Run(run) => run.run(),
+            Command::Describe(describe) => describe.run(),
+            Command::Pack(pack) => pack.run(),
+            Command::Plot(plot) => plot.run(),
+            Command::Diff(diff) => diff.run(),
+            Command::StepLoop => crate::step_loop::run_child(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn the_child_of_a_run_is_started_with_a_command_that_exists() {
+        let started = Cli::try_parse_from(["lockstep", crate::supervise::SUBCOMMAND]).map(|cli| cli.command);
+        assert!(matches!(started, Ok(Command::StepLoop)));
+    }
+
+    #[test]
+    fn a_flag_that_this_version_does_not_have_is_refused() {
+        let refused = Cli::try_parse_from(["lockstep", "run", "a.scn", "--isolate"]).unwrap_err();
+        assert_eq!(refused.exit_code(), 2);
+        assert!(refused.to_string().contains("--isolate"), "{refused}");
+    }
+}

@@ -1,0 +1,58 @@
+//! The exit codes of a run, which scripts and CI systems rely on.
+
+use crate::trace::verdict::Count;
+
+/// All claims hold, or there are none.
+pub(super) const OK: u8 = 0;
+/// A claim failed.
+pub(super) const FAILED: u8 = 1;
+/// The script or the command line is wrong: anything before the first unit is instantiated.
+pub(super) const USAGE: u8 = 2;
+/// The run broke: anything from there on.
+pub(super) const BROKEN: u8 = 3;
+/// There are claims and none was judged.
+pub(super) const UNJUDGED: u8 = 4;
+/// The user interrupted.
+pub(super) const INTERRUPTED: u8 = 130;
+
+/// The code of a run that was started; where several fit, interrupted comes first, then broken, unjudged, failed.
+pub(super) fn of(interrupted: bool, broken: bool, claims: Count) -> u8 {
+    let lost = claims.failed + claims.unjudged;
+    if interrupted {
+        INTERRUPTED
+    } else if broken {
+        BROKEN
+    } else if lost > 0 && claims.ok + claims.failed == 0 {
+        UNJUDGED
+    } else if lost > 0 {
+        FAILED
+    } else {
+        OK
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn count(ok: usize, failed: usize, unjudged: usize) -> Count {
+        Count { ok, failed, unjudged }
+    }
+
+    #[test]
+    fn claims_decide_when_nothing_else_happened() {
+        assert_eq!(of(false, false, count(0, 0, 0)), OK);
+        assert_eq!(of(false, false, count(2, 0, 0)), OK);
+        assert_eq!(of(false, false, count(2, 1, 0)), FAILED);
+        assert_eq!(of(false, false, count(2, 0, 1)), FAILED);
+        assert_eq!(of(false, false, count(0, 0, 2)), UNJUDGED);
+        assert_eq!(of(false, false, count(0, 1, 2)), FAILED);
+    }
+
+    #[test]
+    fn an_interruption_comes_before_a_break_and_a_break_before_claims() {
+        assert_eq!(of(true, true, count(0, 1, 1)), INTERRUPTED);
+        assert_eq!(of(false, true, count(0, 0, 2)), BROKEN);
+        assert_eq!(of(false, true, count(0, 1, 0)), BROKEN);
+    }
+}

@@ -1,0 +1,197 @@
+//! Everything that happens before the first unit is instantiated; whatever is wrong here ends with exit code 2.
+
+use super::Run;
+use crate::catalogue::Catalogue;
+use crate::plan::{Plan, PlannedUnit};
+use crate::report::{error_text, status};
+use crate::script::Script;
+use crate::trace::run_folder::RunFolder;
+use crate::trace::run_record::{HashedFile, Host, RunRecord, RunState, now, sha256};
+use crate::unit::archive::unpack;
+use dsl::scenario::{Scenario, Value};
+use fmi2::description::{Finding, Severity};
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// How many findings about one unit a run mentions.
+const FINDINGS_TOLD: usize = 3;
+
+/// A run that can begin.
+pub(super) struct Preparation {
+    pub plan: Plan,
+    pub record: RunRecord,
+    pub folder: RunFolder,
+    /// Unpacked units and the board; gone when this is dropped.
+    pub home: TempDir,
+    /// The script as the user named it.
+    pub script: String,
+}
+
+/// Why a run cannot begin, as the user reads it.
+pub(super) struct Refusal(pub String);
+
+impl Refusal {
+    fn new(message: &impl std::fmt::Display, help: Option<&str>) -> Self {
+        Self(error_text(message, help))
+    }
+}
+
+impl Run {
+    pub(super) fn prepare(&self) -> Result<Preparation, Refusal> {
+        let current = std::env::current_dir()
+            .map_err(|error| Refusal::new(&format!("cannot find the current folder: {error}"), None))?;
+        let catalogue =
+            Catalogue::new(self.units.clone(), &current, !self.no_build).map_err(|error| Refusal::new(&error, None))?;
+        let mut script = self.read_script(&catalogue)?;
+        let Some(scenario) = script.scenario.take() else {
+            return Err(Refusal(script.rendered(std::io::stderr().is_terminal())));
+        };
+        let warnings = script.rendered(std::io::stderr().is_terminal());
+        if !warnings.is_empty() {
+            status(warnings.trim_end());
+        }
+        let files = files_of(&scenario, &script.folder)?;
+        let home = TempDir::with_prefix("lockstep-")
+            .map_err(|error| Refusal::new(&format!("cannot make a folder for the units: {error}"), None))?;
+        let (units, hashes) = unpack_all(&script, home.path())?;
+        let record = record(&script, &scenario, hashes, files);
+        let folder = self.out.clone().unwrap_or_else(|| default_folder(&self.script));
+        let folder = RunFolder::claim(&folder, &record).map_err(|error| Refusal::new(&error, error.help()))?;
+        let plan = self.plan(scenario, units, &script, home.path());
+        Ok(Preparation { plan, record, folder, home, script: script.name })
+    }
+
+    fn read_script(&self, catalogue: &Catalogue) -> Result<Script, Refusal> {
+        Script::read(&self.script, &self.set, catalogue)
+            .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", self.script.display()), None))
+    }
+
+    fn plan(&self, scenario: Scenario, units: Vec<PlannedUnit>, script: &Script, home: &Path) -> Plan {
+        let unit_of = |name: &str| match units.iter().position(|unit| unit.name == name) {
+            Some(unit) => unit,
+            None => unreachable!("a resolved script has found all of its units"),
+        };
+        Plan {
+            unit_of: scenario.instances.iter().map(|instance| unit_of(&instance.unit)).collect(),
+            scenario,
+            folder: script.folder.canonicalize().unwrap_or_else(|_| script.folder.clone()),
+            board: home.join("board"),
+            fail_fast: self.fail_fast,
+            record: self.record.is_none(),
+            units,
+        }
+    }
+}
+
+/// `runs/` and the script's name without its ending.
+fn default_folder(script: &Path) -> PathBuf {
+    Path::new("runs").join(script.file_stem().unwrap_or(script.as_os_str()))
+}
+
+/// Unpacks each unit into a folder of its own; what the standard has against it is told and tolerated.
+fn unpack_all(script: &Script, home: &Path) -> Result<(Vec<PlannedUnit>, Vec<HashedFile>), Refusal> {
+    let mut units = Vec::new();
+    let mut hashes = Vec::new();
+    for (index, unit) in script.units.iter().enumerate() {
+        let unpacked =
+            unpack(&unit.archive, &home.join(format!("unit{index}"))).map_err(|error| Refusal::new(&error, None))?;
+        for line in finding_lines(&unit.name, &unit.archive, &unit.findings) {
+            status(&line);
+        }
+        hashes.push(HashedFile { name: unit.name.clone(), sha256: unpacked.sha256 });
+        units.push(PlannedUnit { name: unit.name.clone(), folder: unpacked.folder, description: unpacked.description });
+    }
+    Ok((units, hashes))
+}
+
+fn finding_lines(name: &str, archive: &Path, findings: &[Finding]) -> Vec<String> {
+    let broken: Vec<_> = findings.iter().filter(|finding| finding.severity == Severity::Error).collect();
+    let told = broken.iter().take(FINDINGS_TOLD);
+    let mut lines: Vec<_> = told.map(|finding| format!("warning: unit `{name}`: {finding}")).collect();
+    if let Some(more) = broken.len().checked_sub(FINDINGS_TOLD).filter(|&more| more > 0) {
+        lines.push(format!("warning: unit `{name}`: and {more} more: lockstep check {}", archive.display()));
+    }
+    lines
+}
+
+/// What `file("…")` names, hashed; each must lie in the script's folder.
+fn files_of(scenario: &Scenario, folder: &Path) -> Result<Vec<HashedFile>, Refusal> {
+    let presets = scenario.instances.iter().flat_map(|instance| &instance.presets);
+    let names = presets.filter_map(|preset| if let Value::File(name) = &preset.value { Some(name) } else { None });
+    let mut files: Vec<HashedFile> = Vec::new();
+    for name in names {
+        if files.iter().any(|file| file.name == *name) {
+            continue;
+        }
+        let refused = |error: std::io::Error| Refusal::new(&format!("cannot read file(\"{name}\"): {error}"), None);
+        let home = folder.canonicalize().map_err(refused)?;
+        let path = folder.join(name).canonicalize().map_err(refused)?;
+        if !path.starts_with(&home) {
+            let message = format!("file(\"{name}\") lies outside of the script's folder {}", folder.display());
+            return Err(Refusal::new(&message, Some("put it beside the script")));
+        }
+        let bytes = std::fs::read(&path).map_err(refused)?;
+        files.push(HashedFile { name: name.clone(), sha256: sha256(&bytes) });
+    }
+    Ok(files)
+}
+
+fn record(script: &Script, scenario: &Scenario, units: Vec<HashedFile>, files: Vec<HashedFile>) -> RunRecord {
+    RunRecord {
+        lockstep: env!("CARGO_PKG_VERSION"),
+        state: RunState::Running,
+        scenario: scenario.title.clone(),
+        script: HashedFile { name: script.name.clone(), sha256: sha256(script.text.as_bytes()) },
+        units,
+        files,
+        parameters: scenario.parameters.clone(),
+        host: Host::this(),
+        started: now(),
+        wall_s: 0.0,
+        simulated_s: None,
+        broken: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::verdict::tests::scenario;
+    use dsl::scenario::Preset;
+
+    fn with_file(name: &str) -> Scenario {
+        let mut scenario = scenario();
+        scenario.instances[0].presets.push(Preset { variable: 0, value: Value::File(name.to_owned()) });
+        scenario
+    }
+
+    #[test]
+    fn a_file_beside_the_script_is_hashed_once() {
+        let home = tempfile::tempdir().unwrap();
+        std::fs::write(home.path().join("yard.csv"), "").unwrap();
+        let mut scenario = with_file("yard.csv");
+        let again = scenario.instances[0].presets[0].clone();
+        scenario.instances[0].presets.push(again);
+        let files = files_of(&scenario, home.path()).unwrap_or_else(|refusal| panic!("{}", refusal.0));
+        assert_eq!(files, [HashedFile { name: "yard.csv".to_owned(), sha256: sha256(b"") }]);
+    }
+
+    #[test]
+    fn a_file_outside_of_the_scripts_folder_or_missing_is_refused() {
+        let home = tempfile::tempdir().unwrap();
+        let inner = home.path().join("scenarios");
+        std::fs::create_dir(&inner).unwrap();
+        std::fs::write(home.path().join("secret"), "").unwrap();
+        std::os::unix::fs::symlink("../secret", inner.join("link")).unwrap();
+        for (name, words) in [("../secret", "outside"), ("link", "outside"), ("none.csv", "cannot read")] {
+            let refusal = files_of(&with_file(name), &inner).map(drop).unwrap_err();
+            assert!(refusal.0.contains(words), "{}", refusal.0);
+        }
+    }
+
+    #[test]
+    fn the_folder_of_a_run_is_named_after_its_script() {
+        assert_eq!(default_folder(Path::new("scenarios/first_flight.scn")), Path::new("runs/first_flight"));
+    }
+}

@@ -1,0 +1,163 @@
+//! The parent's side of a run, with a board that the test itself writes like a stepping process.
+
+use super::*;
+use crate::failure::Doing;
+use crate::message::LogMessage;
+use crate::report::console::Style;
+use crate::trace::csv::CsvColumn;
+use crate::trace::run_folder::{RunFolder, TRACE_CSV};
+use crate::trace::run_record;
+use crate::trace::verdict::tests::{claim, scenario};
+use crate::unit::board::ClaimNote;
+use fmi2::calls::Call;
+use fmi2::description::BaseType;
+use std::os::unix::process::ExitStatusExt;
+use std::path::Path;
+use tempfile::TempDir;
+
+const DIED_OF_SIGSEGV: i32 = 11;
+const EXITED_WITH_0: i32 = 0;
+
+/// A run of one column and two claims in a folder of its own.
+struct Run {
+    home: TempDir,
+    plan: Plan,
+    board: Board,
+}
+
+impl Run {
+    fn new() -> Self {
+        let home = tempfile::tempdir().unwrap();
+        let mut scenario = scenario();
+        scenario.claims = vec![claim("a", "always quad.a", None, None), claim("b", "always quad.b", None, None)];
+        let plan = Plan {
+            scenario,
+            units: vec![],
+            unit_of: vec![0],
+            folder: home.path().to_owned(),
+            board: home.path().join("board"),
+            fail_fast: false,
+            record: true,
+        };
+        let board = Board::private(&BoardLayout { notes: 1, columns: 1, claims: 2 }).unwrap();
+        Self { home, plan, board }
+    }
+
+    fn rows(&self, count: u64) {
+        for tick in 0..count {
+            self.board.set_tick(tick);
+            assert!(self.board.push_row(tick, &[(tick as f64).to_bits()]));
+        }
+    }
+
+    fn say(&self, message: &Message) {
+        assert!(self.board.push_message(&postcard::to_stdvec(message).unwrap()));
+    }
+
+    fn finish(&self, reason: Reason) {
+        self.say(&Message::Finished(Finish { last_tick: 9000, reason }));
+    }
+
+    /// What the parent makes of it once the process is gone, and what it printed.
+    fn concluded(&self, status: i32) -> (Ended, String) {
+        let folder = RunFolder::claim(&self.home.path().join("run"), &run_record::tests::record()).unwrap();
+        let column = CsvColumn { name: "quad.x".to_owned(), base_type: BaseType::Real };
+        let trace = TraceFile::begin(folder.begin(TRACE_CSV).unwrap(), self.plan.scenario.step_ns, &[column]).unwrap();
+        let mut console = Console::new(Vec::new(), Style::Tenths);
+        let orders = Orders { plan: &self.plan, program: PathBuf::new(), step_timeout: None };
+        let mut supervision = Supervision::new(&orders, &self.board, Some(trace), &mut console);
+        supervision.drain().unwrap();
+        let ended = supervision.conclude(ExitStatus::from_raw(status)).unwrap();
+        (ended, String::from_utf8(console.into_inner()).unwrap())
+    }
+
+    fn trace(&self) -> String {
+        std::fs::read_to_string(self.home.path().join("run").join(TRACE_CSV)).unwrap()
+    }
+}
+
+#[test]
+fn rows_and_the_call_of_a_process_that_died_are_there() {
+    let run = Run::new();
+    run.rows(3);
+    run.board.note(0).enter(2, 0, Doing::Call(Call::DoStep));
+    let (ended, _) = run.concluded(DIED_OF_SIGSEGV);
+    let failure = ended.failure.unwrap().to_string();
+    assert_eq!(failure, "`quad` died of signal 11 (SIGSEGV) in fmi2DoStep at 0.02 s");
+    assert_eq!(ended.last_tick, 2);
+    assert_eq!(run.trace(), "time,quad.x\n0,0\n0.01,1\n0.02,2\n");
+}
+
+#[test]
+fn claims_that_were_decided_before_a_death_stay_decided() {
+    let run = Run::new();
+    let note = |verdict: Verdict| ClaimNote { verdict: verdict as u8, margin: -1.0, worst_tick: 7, tested: 8 };
+    run.board.set_claim(0, &note(Verdict::Fails));
+    run.board.set_claim(1, &note(Verdict::Undecided));
+    let (ended, _) = run.concluded(DIED_OF_SIGSEGV);
+    let judgements: Vec<_> = ended.findings.iter().map(|finding| finding.judgement).collect();
+    assert_eq!(judgements, [Judgement::Failed, Judgement::Unjudged]);
+}
+
+#[test]
+fn an_exit_with_code_0_is_a_break_unless_the_run_said_that_it_is_over() {
+    let silent = Run::new();
+    assert!(silent.concluded(EXITED_WITH_0).0.failure.is_some());
+    let over = Run::new();
+    over.finish(Reason::StopTime);
+    let (ended, _) = over.concluded(EXITED_WITH_0);
+    assert_eq!((ended.failure, ended.last_tick, ended.interrupted), (None, 9000, false));
+}
+
+#[test]
+fn what_the_run_says_about_its_break_counts_more_than_how_its_process_ended() {
+    let run = Run::new();
+    let failure = Failure {
+        instance: Some("quad".to_owned()),
+        doing: Doing::Call(Call::DoStep),
+        time_s: Some(0.05),
+        cause: Cause::Status(3),
+    };
+    run.say(&Message::Broken(failure.clone()));
+    assert_eq!(run.concluded(DIED_OF_SIGSEGV).0.failure, Some(failure));
+}
+
+#[test]
+fn a_run_that_stopped_when_asked_to_is_interrupted_and_not_broken() {
+    let run = Run::new();
+    run.finish(Reason::Interrupted);
+    let (ended, _) = run.concluded(EXITED_WITH_0);
+    assert!(ended.interrupted && ended.failure.is_none());
+}
+
+#[test]
+fn what_units_say_is_printed_in_order() {
+    let run = Run::new();
+    for (tick, text) in [(1, "low battery"), (2, "empty battery")] {
+        let category = "battery".to_owned();
+        run.say(&Message::Log(LogMessage { instance: Some(0), tick, status: 1, category, text: text.to_owned() }));
+    }
+    run.say(&Message::Warning("`quad` is slow".to_owned()));
+    let (_, printed) = run.concluded(EXITED_WITH_0);
+    assert_eq!(
+        printed,
+        "0.01 s  quad  warning  low battery\n0.02 s  quad  warning  empty battery\nwarning: `quad` is slow\n"
+    );
+}
+
+#[test]
+fn a_program_that_ends_at_once_breaks_the_run() {
+    let run = Run::new();
+    let orders = Orders { plan: &run.plan, program: Path::new("/bin/true").to_owned(), step_timeout: None };
+    let mut console = Console::new(Vec::new(), Style::Tenths);
+    let ended = supervise(&orders, None, &mut console).unwrap();
+    assert_eq!(ended.failure.unwrap().to_string(), "the stepping process ended (exit code 0) between calls at 0 s");
+}
+
+#[test]
+fn a_program_that_cannot_be_started_is_an_error() {
+    let run = Run::new();
+    let orders = Orders { plan: &run.plan, program: PathBuf::from("/no/such/program"), step_timeout: None };
+    let error = supervise(&orders, None, &mut Console::new(Vec::new(), Style::Tenths)).unwrap_err().to_string();
+    assert!(error.starts_with("cannot start the stepping process: "), "{error}");
+}
