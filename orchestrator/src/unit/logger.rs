@@ -27,6 +27,8 @@ pub type LogSink = Arc<dyn Fn(LogMessage) + Send + Sync>;
 
 /// What is longer than this is cut.
 const LONGEST_TEXT: usize = 64 << 10;
+/// What stands where it was cut.
+const CUT: &str = " … (cut here)";
 
 /// Delivers one message. `text` gives the formatted bytes.
 ///
@@ -62,11 +64,9 @@ unsafe fn lossy(text: Str) -> String {
 }
 
 fn cut(text: &mut String) {
-    let length = text.len();
-    if length > LONGEST_TEXT {
+    if text.len() > LONGEST_TEXT {
         text.truncate(text.floor_char_boundary(LONGEST_TEXT));
-        let cut = length - text.len();
-        text.push_str(&format!(" … and {cut} bytes more"));
+        text.push_str(CUT);
     }
 }
 

@@ -4,6 +4,7 @@
 //! [`instance`], and arrives in `fmus/<unit>/src/lib.rs` or in anybody else's unit.
 #![allow(unsafe_code, reason = "libraries are foreign code, and the board is memory that another process maps")]
 
+pub mod archive;
 pub mod board;
 pub mod error;
 pub mod instance;

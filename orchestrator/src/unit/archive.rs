@@ -1,0 +1,192 @@
+//! A unit's archive: looked through entry by entry before anything is believed or written.
+//!
+//! An archive may come from anywhere. It is refused if an entry would land outside of the unit's folder, collide with
+//! another one, be anything but a plain file or folder, or grow beyond all proportion; unpacking writes into a folder
+//! that did not exist before and that is gone again if anything fails.
+
+mod survey;
+
+use super::error::UnitError;
+use fmi2::description::{Finding, ModelDescription, read};
+use sha2::{Digest, Sha256};
+use std::fs::{self, DirBuilder, File, OpenOptions};
+use std::io::{self, BufReader, Read, Seek};
+use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
+use std::path::{Path, PathBuf};
+use survey::{Entry, Survey};
+use zip::ZipArchive;
+
+/// The one file that every archive has.
+const DESCRIPTION: &str = "modelDescription.xml";
+
+/// A unit in a folder of its own.
+#[derive(Debug)]
+pub struct Unpacked {
+    /// The folder.
+    pub folder: PathBuf,
+    /// What its `modelDescription.xml` says.
+    pub description: ModelDescription,
+    /// What is odd about the archive and the description.
+    pub findings: Vec<Finding>,
+    /// SHA-256 of the archive, as 64 hexadecimal digits.
+    pub sha256: String,
+}
+
+/// A problem of an archive that does not know the archive's name.
+#[derive(Debug, PartialEq, Eq)]
+struct Problem {
+    entry: Option<String>,
+    text: String,
+}
+
+impl Problem {
+    fn new(text: impl Into<String>) -> Self {
+        Self { entry: None, text: text.into() }
+    }
+
+    fn of(entry: &str, text: impl Into<String>) -> Self {
+        Self { entry: Some(entry.to_owned()), text: text.into() }
+    }
+
+    fn at(self, archive: &Path) -> UnitError {
+        UnitError::Archive { archive: archive.to_path_buf(), entry: self.entry, problem: self.text }
+    }
+}
+
+/// Unpacks an archive into a folder that must not exist yet; only its owner may look into it.
+///
+/// # Errors
+/// The archive is broken or unsafe, holds no readable description, or cannot be written. The folder is gone then.
+pub fn unpack(fmu: &Path, into: &Path) -> Result<Unpacked, UnitError> {
+    let sha256 = hash(fmu).map_err(file_error("reading", fmu))?;
+    let (mut archive, survey) = open(fmu)?;
+    let (description, findings) = description(&mut archive, &survey, fmu)?;
+    make_folder(into).map_err(file_error("making the folder", into))?;
+    match extract(&mut archive, &survey, fmu, into) {
+        Ok(()) => Ok(Unpacked { folder: into.to_path_buf(), description, findings, sha256 }),
+        Err(error) => {
+            // The error that led here says more than one about cleaning up.
+            fs::remove_dir_all(into).ok();
+            Err(error)
+        }
+    }
+}
+
+/// Reads the description out of an archive, without unpacking anything.
+///
+/// # Errors
+/// The archive is broken or unsafe, or holds no readable description.
+pub fn read_description(fmu: &Path) -> Result<(ModelDescription, Vec<Finding>), UnitError> {
+    let (mut archive, survey) = open(fmu)?;
+    description(&mut archive, &survey, fmu)
+}
+
+/// Everything that is done with the bytes of an archive short of writing files: the target for generated archives.
+///
+/// # Errors
+/// What is wrong with them.
+pub fn inspect(bytes: &[u8]) -> Result<(ModelDescription, Vec<Finding>), UnitError> {
+    let name = Path::new("archive");
+    let mut archive = ZipArchive::new(io::Cursor::new(bytes)).map_err(|error| broken(&error).at(name))?;
+    let survey = Survey::of(&mut archive).map_err(|problem| problem.at(name))?;
+    for entry in &survey.entries {
+        contents(&mut archive, entry, &mut io::sink()).map_err(|problem| problem.at(name))?;
+    }
+    description(&mut archive, &survey, name)
+}
+
+fn open(fmu: &Path) -> Result<(ZipArchive<BufReader<File>>, Survey), UnitError> {
+    let file = File::open(fmu).map_err(file_error("opening", fmu))?;
+    let mut archive = ZipArchive::new(BufReader::new(file)).map_err(|error| broken(&error).at(fmu))?;
+    let survey = Survey::of(&mut archive).map_err(|problem| problem.at(fmu))?;
+    Ok((archive, survey))
+}
+
+fn broken(error: &zip::result::ZipError) -> Problem {
+    Problem::new(format!("no readable zip archive: {error}"))
+}
+
+fn description<R: Read + Seek>(
+    archive: &mut ZipArchive<R>,
+    survey: &Survey,
+    fmu: &Path,
+) -> Result<(ModelDescription, Vec<Finding>), UnitError> {
+    let entry = survey.file(DESCRIPTION).map_err(|problem| problem.at(fmu))?;
+    if entry.size > read::MAX_BYTES as u64 {
+        let text = format!("has {} bytes; at most {} are read", entry.size, read::MAX_BYTES);
+        return Err(Problem::of(DESCRIPTION, text).at(fmu));
+    }
+    let mut bytes = Vec::new();
+    contents(archive, entry, &mut bytes).map_err(|problem| problem.at(fmu))?;
+    let (description, of_description) =
+        read::read(&bytes).map_err(|finding| UnitError::Description { archive: fmu.to_path_buf(), finding })?;
+    let findings = survey.findings.iter().cloned().chain(of_description).collect();
+    Ok((description, findings))
+}
+
+/// Writes the contents of an entry, and no byte more than the archive announced.
+fn contents<R: Read + Seek>(
+    archive: &mut ZipArchive<R>,
+    entry: &Entry,
+    to: &mut impl io::Write,
+) -> Result<(), Problem> {
+    let cannot_read = |error: &dyn std::fmt::Display| Problem::of(&entry.name, format!("cannot be read: {error}"));
+    let file = archive.by_index(entry.index).map_err(|error| cannot_read(&error))?;
+    let written = io::copy(&mut file.take(entry.size + 1), to).map_err(|error| cannot_read(&error))?;
+    if written != entry.size {
+        return Err(Problem::of(&entry.name, format!("announces {} bytes, but holds {written}", entry.size)));
+    }
+    Ok(())
+}
+
+fn extract<R: Read + Seek>(
+    archive: &mut ZipArchive<R>,
+    survey: &Survey,
+    fmu: &Path,
+    into: &Path,
+) -> Result<(), UnitError> {
+    for entry in &survey.entries {
+        let path = into.join(&entry.name);
+        if entry.is_folder {
+            make_folder_all(&path).map_err(file_error("making the folder", &path))?;
+            continue;
+        }
+        if let Some(parent) = path.parent() {
+            make_folder_all(parent).map_err(file_error("making the folder", parent))?;
+        }
+        let mode = if entry.executable { 0o700 } else { 0o600 };
+        let opened = OpenOptions::new().write(true).create_new(true).mode(mode).open(&path);
+        let mut file = opened.map_err(file_error("writing", &path))?;
+        contents(archive, entry, &mut file).map_err(|problem| problem.at(fmu))?;
+    }
+    Ok(())
+}
+
+fn make_folder(path: &Path) -> io::Result<()> {
+    DirBuilder::new().mode(0o700).create(path)
+}
+
+fn make_folder_all(path: &Path) -> io::Result<()> {
+    DirBuilder::new().mode(0o700).recursive(true).create(path)
+}
+
+fn hash(path: &Path) -> io::Result<String> {
+    let mut hasher = Sha256::new();
+    let mut file = File::open(path)?;
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut buffer)? {
+            0 => break,
+            length => hasher.update(&buffer[..length]),
+        }
+    }
+    Ok(hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+fn file_error(doing: &'static str, path: &Path) -> impl FnOnce(io::Error) -> UnitError {
+    let path = path.to_path_buf();
+    move |error| UnitError::File { doing, path, error }
+}
+
+#[cfg(test)]
+mod tests;

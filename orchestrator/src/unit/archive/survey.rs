@@ -1,0 +1,162 @@
+//! The entries of an archive, judged by their names, kinds and sizes before one of them is read.
+
+use super::Problem;
+use fmi2::description::{Finding, Position, Severity};
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{Read, Seek};
+use zip::ZipArchive;
+
+/// At most so many entries.
+pub const MAX_ENTRIES: usize = 10_000;
+/// At most so many bytes in all files together.
+pub const MAX_BYTES: u64 = 1 << 30;
+/// What unpacks to more than [`RATIO_FREE_BYTES`] must not grow more than so many times.
+pub const MAX_RATIO: u64 = 200;
+/// Small files may be as repetitive as they like.
+pub const RATIO_FREE_BYTES: u64 = 1 << 20;
+
+/// One file or folder.
+#[derive(Debug)]
+pub struct Entry {
+    /// The number in the archive.
+    pub index: usize,
+    /// The path in the unit's folder: relative, with forward slashes, without `.` and `..`.
+    pub name: String,
+    /// Whether it is a folder.
+    pub is_folder: bool,
+    /// Bytes as announced.
+    pub size: u64,
+    /// Whether its owner may run it.
+    pub executable: bool,
+}
+
+/// The entries, in the archive's order.
+#[derive(Debug)]
+pub struct Survey {
+    /// Each has a name of its own.
+    pub entries: Vec<Entry>,
+    /// What is odd, but harmless.
+    pub findings: Vec<Finding>,
+}
+
+impl Survey {
+    /// Looks through the directory of an archive.
+    pub fn of<R: Read + Seek>(archive: &mut ZipArchive<R>) -> Result<Self, Problem> {
+        if archive.len() > MAX_ENTRIES {
+            return Err(Problem::new(format!("{} entries; at most {MAX_ENTRIES} are unpacked", archive.len())));
+        }
+        if archive.has_duplicate_names() {
+            return Err(Problem::new("two entries have the same name"));
+        }
+        let mut survey = Self { entries: Vec::with_capacity(archive.len()), findings: Vec::new() };
+        let mut total: u64 = 0;
+        for index in 0..archive.len() {
+            let entry = survey.entry(archive, index)?;
+            total = total.saturating_add(entry.size);
+            if total > MAX_BYTES {
+                return Err(Problem::of(&entry.name, format!("brings the unit beyond {MAX_BYTES} bytes")));
+            }
+            survey.entries.push(entry);
+        }
+        survey.refuse_collisions()?;
+        Ok(survey)
+    }
+
+    fn entry<R: Read + Seek>(&mut self, archive: &mut ZipArchive<R>, index: usize) -> Result<Entry, Problem> {
+        let unreadable = |error: zip::result::ZipError| Problem::new(format!("entry {index} cannot be read: {error}"));
+        let file = archive.by_index_raw(index).map_err(unreadable)?;
+        let raw = file.name().map_err(unreadable)?.into_owned();
+        let name = self.safe_name(&raw)?;
+        if file.encrypted() {
+            return Err(Problem::of(&raw, "is encrypted"));
+        }
+        const KIND: u32 = 0o170_000;
+        let (folder, regular) = (0o040_000, 0o100_000);
+        let mode = file.unix_mode().unwrap_or(0);
+        if file.is_symlink() || ![0, folder, regular].contains(&(mode & KIND)) {
+            return Err(Problem::of(&raw, "is a link or a device; only files and folders are unpacked"));
+        }
+        let (size, compressed) = (file.size(), file.compressed_size());
+        if size > RATIO_FREE_BYTES && size / MAX_RATIO > compressed {
+            let text = format!("grows from {compressed} to {size} bytes; at most {MAX_RATIO} times is believed");
+            return Err(Problem::of(&raw, text));
+        }
+        let is_folder = file.is_dir() || raw.ends_with('\\');
+        if is_folder && size > 0 {
+            return Err(Problem::of(&raw, "is a folder with contents of its own"));
+        }
+        Ok(Entry { index, name, is_folder, size, executable: mode & 0o100 != 0 })
+    }
+
+    /// The name as a relative path that stays in its folder.
+    fn safe_name(&mut self, raw: &str) -> Result<String, Problem> {
+        let refuse = |why: &str| Err(Problem::of(raw, why));
+        let name = raw.replace('\\', "/");
+        if name.contains('\0') {
+            return refuse("has a zero character in its name");
+        }
+        if name.starts_with('/') {
+            return refuse("has an absolute path");
+        }
+        if let [letter, b':', ..] = name.as_bytes()
+            && letter.is_ascii_alphabetic()
+        {
+            return refuse("has a path with a drive letter");
+        }
+        if name.split('/').any(|part| part == "..") {
+            return refuse("leads out of its folder by `..`");
+        }
+        let parts: Vec<_> = name.split('/').filter(|part| !["", "."].contains(part)).collect();
+        if parts.is_empty() {
+            return refuse("has no name");
+        }
+        let tidy = parts.join("/");
+        if raw.contains('\\') {
+            self.warn(format!("entry `{raw}` has backslashes in its path; expected `{name}`"));
+        } else if name.trim_end_matches('/') != tidy {
+            self.warn(format!("entry `{raw}` has empty parts in its path; expected `{tidy}`"));
+        }
+        Ok(tidy)
+    }
+
+    fn warn(&mut self, message: String) {
+        let (severity, position) = (Severity::Warning, Position::default());
+        self.findings.push(Finding { severity, rule: "2.3", position, message });
+    }
+
+    /// Refuses entries that would be the same file, here or where upper and lower case are the same, and files that
+    /// others use as a folder.
+    fn refuse_collisions(&self) -> Result<(), Problem> {
+        let mut seen = BTreeMap::new();
+        let mut folders = BTreeSet::new();
+        for Entry { name, .. } in &self.entries {
+            let lower = name.to_lowercase();
+            folders.extend(lower.match_indices('/').map(|(at, _)| lower[..at].to_owned()));
+            if let Some(other) = seen.insert(lower, name) {
+                let text = if other == name {
+                    "is there twice".to_owned()
+                } else {
+                    format!("differs from `{other}` by upper and lower case only")
+                };
+                return Err(Problem::of(name, text));
+            }
+        }
+        match self.entries.iter().find(|entry| !entry.is_folder && folders.contains(&entry.name.to_lowercase())) {
+            Some(entry) => Err(Problem::of(&entry.name, "is both a file and a folder")),
+            None => Ok(()),
+        }
+    }
+
+    /// The file of this name.
+    pub fn file(&self, name: &str) -> Result<&Entry, Problem> {
+        let found = |entry: &&Entry| !entry.is_folder && entry.name == name;
+        self.entries.iter().find(found).ok_or_else(|| {
+            let alike =
+                |entry: &&Entry| entry.name.rsplit('/').next().is_some_and(|last| last.eq_ignore_ascii_case(name));
+            Problem::new(match self.entries.iter().find(alike) {
+                Some(entry) => format!("no `{name}` at its root; there is `{}`", entry.name),
+                None => format!("no `{name}` at its root: not an FMU"),
+            })
+        })
+    }
+}

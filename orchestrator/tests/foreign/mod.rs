@@ -1,0 +1,57 @@
+//! Builds the unit of `tests/foreign/` with the system's C compiler, well-behaved or not, and packs it.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use tempfile::TempDir;
+use zip::write::SimpleFileOptions;
+
+/// How the unit is built and packed.
+pub struct Foreign<'a> {
+    /// Names and values for the compiler's `-D`, see `tests/foreign/unit.c`.
+    pub defines: &'a [&'a str],
+    /// The folder below `binaries/`.
+    pub platform: &'a str,
+    /// Texts that are exchanged in the description.
+    pub description: &'a [(&'a str, &'a str)],
+}
+
+impl Default for Foreign<'_> {
+    fn default() -> Self {
+        let platform = if cfg!(target_arch = "x86_64") { "linux64" } else { "aarch64-linux" };
+        Self { defines: &[], platform, description: &[] }
+    }
+}
+
+impl Foreign<'_> {
+    /// Makes `foreign.fmu` in a folder that goes away with what is returned.
+    pub fn build(&self) -> (TempDir, PathBuf) {
+        let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/foreign");
+        let folder = tempfile::tempdir().unwrap();
+        let library = folder.path().join("foreign.so");
+        let compiled = Command::new("cc")
+            .args(["-std=c11", "-D_DEFAULT_SOURCE", "-O1", "-fPIC", "-shared", "-fvisibility=hidden"])
+            .args(self.defines.iter().map(|define| format!("-D{define}")))
+            .arg("-o")
+            .arg(&library)
+            .arg(sources.join("unit.c"))
+            .output()
+            .unwrap();
+        assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+        let mut description = fs::read_to_string(sources.join("modelDescription.xml")).unwrap();
+        for (from, to) in self.description {
+            assert!(description.contains(from), "{from}");
+            description = description.replace(from, to);
+        }
+        let fmu = folder.path().join("foreign.fmu");
+        let mut archive = zip::ZipWriter::new(fs::File::create(&fmu).unwrap());
+        let options = SimpleFileOptions::default();
+        archive.start_file("modelDescription.xml", options).unwrap();
+        archive.write_all(description.as_bytes()).unwrap();
+        archive.start_file(format!("binaries/{}/foreign.so", self.platform), options).unwrap();
+        archive.write_all(&fs::read(&library).unwrap()).unwrap();
+        archive.finish().unwrap();
+        (folder, fmu)
+    }
+}

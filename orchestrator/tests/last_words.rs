@@ -1,0 +1,119 @@
+//! A process that a unit ends, in any way and in any call, leaves a note that names instance, call and tick.
+
+mod foreign;
+
+use fmi2::calls::Call;
+use foreign::Foreign;
+use orchestrator::failure::Doing;
+use orchestrator::unit::archive::{read_description, unpack};
+use orchestrator::unit::board::{Board, BoardLayout};
+use orchestrator::unit::instance::{Instance, Moment, Setting};
+use orchestrator::unit::library::Library;
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+const FOLDER: &str = "LAST_WORDS_FOLDER";
+const LAYOUT: BoardLayout = BoardLayout { notes: 1, columns: 1, claims: 0 };
+
+/// What the other test's child process does: a short run over a board.
+#[test]
+#[ignore = "ends its process"]
+fn run_that_a_unit_ends() {
+    let folder = PathBuf::from(std::env::var_os(FOLDER).unwrap());
+    let board = Arc::new(Board::open(&folder.join("board")).unwrap());
+    let (description, _) = read_description(&folder.join("foreign.fmu")).unwrap();
+    let library = Library::load(&folder.join("unpacked"), &description, &board.note(0), 5).unwrap();
+    let tell = Arc::clone(&board);
+    let sink = Arc::new(move |message: orchestrator::message::LogMessage| {
+        tell.push_message(message.text.as_bytes());
+    });
+    let setting = Setting { name: "tank", index: 5, note: board.note(0), sink, logging_on: true };
+    let mut tank = Instance::instantiate(&Arc::new(library), setting).unwrap();
+    let start = Moment::default();
+    tank.setup_experiment(start).unwrap();
+    tank.enter_initialization_mode(start).unwrap();
+    tank.exit_initialization_mode(start).unwrap();
+    for tick in 0..20 {
+        let now = Moment { tick, time_s: tick as f64 * 0.1 };
+        let mut level = [0.0];
+        tank.set_real(now, &[0], &[1.0]).unwrap();
+        tank.get_real(now, &[2], &mut level).unwrap();
+        board.push_row(tick, &[f64::to_bits(level[0])]);
+        tank.do_step(now, 0.1).unwrap();
+    }
+    tank.terminate(Moment { tick: 20, time_s: 2.0 }).unwrap();
+    tank.free();
+    board.finish();
+}
+
+fn start(folder: &Path) -> Child {
+    Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "run_that_a_unit_ends", "--ignored", "--nocapture"])
+        .env(FOLDER, folder)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+/// Runs a unit to its end, its own or ours; the child's status and the board as it was left.
+fn end(call: &str, how: &str, hangs: bool) -> (ExitStatus, Board) {
+    let defines = [format!("MISBEHAVE_CALL={call}"), format!("MISBEHAVE_HOW={how}"), "MISBEHAVE_FROM_S=1.0".into()];
+    let defines: Vec<_> = defines.iter().map(String::as_str).collect();
+    let with_time = if ["GET", "SET", "STEP"].contains(&call) { 3 } else { 2 };
+    let (folder, fmu) = Foreign { defines: &defines[..with_time], ..Foreign::default() }.build();
+    unpack(&fmu, &folder.path().join("unpacked")).unwrap();
+    let board = Board::create(&folder.path().join("board"), &LAYOUT).unwrap();
+    let mut child = start(folder.path());
+    let patience = Instant::now() + Duration::from_secs(20);
+    while hangs && board.note(0).read().is_none_or(|call| call.tick < 10) && Instant::now() < patience {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    if hangs {
+        std::thread::sleep(Duration::from_millis(50));
+        child.kill().unwrap();
+    }
+    (child.wait().unwrap(), board)
+}
+
+#[test]
+fn whatever_ends_the_process_the_note_names_instance_call_and_tick() {
+    for (call, how, signal, code, doing, tick) in [
+        ("LOAD", "CRASH", Some(11), None, Doing::Load, 0),
+        ("INSTANTIATE", "ABORT", Some(6), None, Doing::Call(Call::Instantiate), 0),
+        ("SETUP", "EXIT_3", None, Some(3), Doing::Call(Call::SetupExperiment), 0),
+        ("ENTER", "EXIT_0", None, Some(0), Doing::Call(Call::EnterInitializationMode), 0),
+        ("EXIT", "OVERFLOW_STACK", Some(6), None, Doing::Call(Call::ExitInitializationMode), 0),
+        ("GET", "EXIT_0", None, Some(0), Doing::Call(Call::GetReal), 10),
+        ("SET", "ABORT", Some(6), None, Doing::Call(Call::SetReal), 10),
+        ("STEP", "CRASH", Some(11), None, Doing::Call(Call::DoStep), 10),
+        ("STEP", "HANG", Some(9), None, Doing::Call(Call::DoStep), 10),
+        ("STEP", "SPIN", Some(9), None, Doing::Call(Call::DoStep), 10),
+        ("TERMINATE", "CRASH", Some(11), None, Doing::Call(Call::Terminate), 20),
+        ("FREE", "EXIT_0", None, Some(0), Doing::Call(Call::FreeInstance), 20),
+    ] {
+        let (status, board) = end(call, how, ["HANG", "SPIN"].contains(&how));
+        let left = board.note(0).read().map(|call| (call.instance, call.doing, call.tick));
+        assert_eq!((status.signal(), status.code()), (signal, code), "{call} {how}");
+        assert_eq!(left, Some((5, doing, tick)), "{call} {how}");
+        assert!(!board.finished());
+        let mut rows = 0;
+        board.pop_rows(|_, _| rows += 1);
+        // The row of tick 10 is pushed between the get and the step.
+        let expected = if call == "GET" || call == "SET" { tick } else { (tick + u64::from(tick > 0)).min(20) };
+        assert_eq!(rows, expected, "{call} {how}");
+    }
+}
+
+#[test]
+fn a_run_that_nothing_ends_finishes_and_its_words_arrive() {
+    let (status, board) = end("NEVER", "CRASH", false);
+    assert!(status.success() && board.finished());
+    assert_eq!(board.note(0).read(), None);
+    let mut words = Vec::new();
+    board.pop_messages(|message| words.push(String::from_utf8_lossy(message).into_owned()));
+    assert_eq!((words.len(), words[20].as_str()), (22, "step 20 of tank: y = 1.756847"));
+}

@@ -1,0 +1,28 @@
+//! A unit that changes its process while it is instantiated. It has this test's process for itself: the working
+//! directory belongs to all threads.
+
+mod foreign;
+
+use foreign::Foreign;
+use orchestrator::unit::archive::unpack;
+use orchestrator::unit::board::{Board, BoardLayout};
+use orchestrator::unit::instance::{Instance, Setting};
+use orchestrator::unit::library::Library;
+use std::env::current_dir;
+use std::hint::black_box;
+use std::sync::Arc;
+
+#[test]
+fn an_instantiate_that_changes_rounding_and_folder_is_undone() {
+    let before = current_dir().unwrap();
+    assert_ne!(before.as_os_str(), "/");
+    let (folder, fmu) = Foreign { defines: &["DISTURB"], ..Foreign::default() }.build();
+    let unpacked = unpack(&fmu, &folder.path().join("unpacked")).unwrap();
+    let note = Board::private(&BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap().note(0);
+    let library = Arc::new(Library::load(&unpacked.folder, &unpacked.description, &note, 0).unwrap());
+    let setting = Setting { name: "unit", index: 0, note, sink: Arc::new(|_| ()), logging_on: false };
+    let _instance = Instance::instantiate(&library, setting).unwrap();
+    assert_eq!(current_dir().unwrap(), before);
+    // Rounded downward it would be further from zero.
+    assert_eq!(black_box(1.0_f64) / black_box(-3.0), -0.333_333_333_333_333_3);
+}
