@@ -211,6 +211,37 @@ pub enum Function {
     Norm,
 }
 
+impl Function {
+    /// The value for these arguments, to the bit what a run computes.
+    #[must_use]
+    pub fn apply(self, arguments: &[f64]) -> f64 {
+        let first = arguments.first().copied().unwrap_or(f64::NAN);
+        let sum = || arguments.iter().skip(1).fold(first, |sum, argument| sum + argument);
+        let pick = |better: fn(f64, f64) -> bool| {
+            let rest = arguments.iter().skip(1);
+            rest.fold(first, |best, &x| if x.is_nan() || better(x, best) { x } else { best })
+        };
+        #[expect(clippy::cast_precision_loss, reason = "a script writes far fewer arguments than 2^53")]
+        let count = arguments.len() as f64;
+        match self {
+            Self::Abs => first.abs(),
+            Self::Min => pick(|x, best| x < best),
+            Self::Max => pick(|x, best| x > best),
+            Self::Sum => sum(),
+            Self::Mean => sum() / count,
+            Self::Sqrt => libm::sqrt(first),
+            Self::Exp => libm::exp(first),
+            Self::Log => libm::log(first),
+            Self::Floor => libm::floor(first),
+            Self::Sin => libm::sin(first),
+            Self::Cos => libm::cos(first),
+            Self::Tan => libm::tan(first),
+            Self::Atan2 => libm::atan2(first, arguments.get(1).copied().unwrap_or(f64::NAN)),
+            Self::Norm => libm::sqrt(arguments.iter().fold(0.0, |sum, x| sum + x * x)),
+        }
+    }
+}
+
 /// A condition. A comparison with a NaN operand is false.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum BooleanExpression {

@@ -1,1 +1,188 @@
-//! To be written: syntax tree to scenario.
+//! From what was written to what is meant: names, types, units of measure, times and claims, checked against the units'
+//! descriptions. Next on the walk: `scenario.rs`.
+//!
+//! Every error of a script is found in one pass and none is a consequence of another: a part that has no meaning is
+//! `None` from there on, and whatever depends on it stays silent. The passes, in order: [`script`] sorts the statements,
+//! [`parameter`] fixes the parameters, [`grid`] the times, then come [`preset`], [`wire`], [`event`] and [`claim`] over
+//! [`expression`], and at last [`wave`], [`initial`] and [`column`] over the connections.
+//!
+//! | code | what is wrong |
+//! |------|---------------|
+//! | E01 | no such name: script name, variable, function, parameter of `--set` |
+//! | E02 | dimensions differ |
+//! | E03 | an input with two drivers, a start value given twice |
+//! | E04 | an output as a target, an input as a source |
+//! | E05 | a variable that cannot be set there: its causality or variability forbids it |
+//! | E06 | `=>` in a circle |
+//! | E07 | `=>` between periods of which neither divides the other; `=>` without a unit on its left |
+//! | E08 | a time off the grid of `step` |
+//! | E09 | a claim that looks past the end of the run |
+//! | E10 | margins of different dimensions in one claim |
+//! | E11 | what was written as a unit of measure is none, or is a name of the script too |
+//! | E12 | a temporal word over `and` or `or` without parentheses |
+//! | E20 | a part of the language that this version does not know yet |
+//! | E21 | types do not agree |
+//! | E22 | shapes do not agree: members, counts, indices |
+//! | E23 | a group of several units of measure in a computation |
+//! | E24 | a name declared twice, or reserved |
+//! | E25 | a statement or clause that is missing or stands twice |
+//! | E26 | a unit that was not found or cannot be used |
+//! | E27 | a value that must be known before the run |
+//! | E28 | names defined by each other |
+//! | E29 | a comparison that cannot be read: `==` of reals without `±`, a chain that turns round |
+//! | E30 | a temporal word outside claims |
+//! | E31 | a function with the wrong arguments |
+//! | E32 | a temperature scale with an offset in a sum, product or tolerance |
+//! | E33 | a unit of measure with two meanings, `in` or `as` where they do not fit |
+//! | E34 | no such item of an enumeration |
+//! | E35 | two windows over one port |
+//! | E36 | initial values that wait for each other |
+//! | E37 | a value of `--set` of another kind than the parameter's |
+//! | E38 | a number out of range |
+//! | W01 | a quantity meets a variable that declares no unit |
+//! | W02 | an input without driver and start value |
+//! | W03 | two instances of one unit draw the same random numbers |
+//! | W04 | a window that opens after the end of the run |
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use fmi2::description::ModelDescription;
+
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::scenario::{Instance, Scenario};
+use crate::source::Sources;
+use crate::syntax::{Binding, File, StatementKind, Word};
+
+mod arithmetic;
+mod assign;
+mod claim;
+mod column;
+mod comparison;
+mod event;
+mod expression;
+mod fit;
+mod function;
+mod grid;
+mod initial;
+mod meaning;
+mod measure;
+mod parameter;
+mod preset;
+mod real;
+mod scope;
+mod script;
+mod signal;
+mod temporal;
+mod unit_name;
+mod wave;
+mod wire;
+
+#[cfg(test)]
+mod tests;
+
+use scope::Scope;
+
+/// Why a unit cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnitProblem {
+    /// What is wrong, in one line without a full stop.
+    pub message: String,
+    /// How to mend it.
+    pub help: Option<String>,
+}
+
+/// What is known about the units of a script, by the text of its `fmu` line.
+pub type Units = BTreeMap<String, Result<Arc<ModelDescription>, UnitProblem>>;
+
+/// What there is to resolve.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// All texts that spans point into.
+    pub sources: &'a Sources,
+    /// The script.
+    pub file: &'a File,
+    /// An entry for each of [`units`].
+    pub units: &'a Units,
+    /// Assignments of the command line, in order; a later one counts.
+    pub settings: &'a [Binding],
+}
+
+/// What came of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Resolved {
+    /// The scenario; `None` if and only if an error is among the diagnostics.
+    pub scenario: Option<Scenario>,
+    /// Errors and warnings in the order of their places.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// The names and paths of the units that a script needs, each once, in order.
+#[must_use]
+pub fn units(file: &File) -> Vec<&Word> {
+    let mut found: Vec<&Word> = Vec::new();
+    for statement in &file.statements {
+        if let StatementKind::Fmu(instance) = &statement.kind
+            && !found.iter().any(|word| word.text == instance.unit.text)
+        {
+            found.push(&instance.unit);
+        }
+    }
+    found
+}
+
+/// Finds out what a script means, or everything that is wrong with it.
+#[must_use]
+pub fn resolve(request: &Request<'_>) -> Resolved {
+    let scope = Scope::new(*request);
+    let scenario = scenario(&scope);
+    let (mut diagnostics, rises) = scope.finish();
+    diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span));
+    let failed = diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error);
+    let scenario = scenario.filter(|_| !failed).map(|scenario| Scenario { rises, ..scenario });
+    assert!(failed || scenario.is_some(), "a script without an error has a meaning");
+    Resolved { scenario, diagnostics }
+}
+
+/// Every pass runs, whatever an earlier one found, so that all errors come at once.
+fn scenario(scope: &Scope<'_>) -> Option<Scenario> {
+    let parameters = scope.parameters();
+    scope.evaluate_lets();
+    let grid = scope.grid();
+    let stop_tick = scope.stop_tick();
+    let presets = scope.presets();
+    let periods = scope.periods();
+    let connections = scope.connections(periods.as_deref());
+    let events = scope.events(stop_tick);
+    let claims = scope.claims(stop_tick);
+    let columns = scope.columns(&connections, &claims);
+    let waves = scope.waves(&connections);
+    scope.warn_of_missing_starts(&connections, &presets);
+    scope.warn_of_equal_noise(&presets);
+    if scope.failed() {
+        return None;
+    }
+    let initialization = scope.initialization(&connections, &presets)?;
+    let (periods, waves) = (periods?, waves?);
+    let instances =
+        scope.script.instances.iter().zip(presets).enumerate().map(|(index, (instance, presets))| Instance {
+            name: instance.name.text.clone(),
+            unit: instance.unit.text.clone(),
+            every: periods[index],
+            wave: waves[index],
+            presets,
+        });
+    Some(Scenario {
+        title: scope.script.title?.text.clone(),
+        step_ns: grid?.step_ns,
+        stop_tick: stop_tick?,
+        parameters,
+        instances: instances.collect(),
+        initialization,
+        connections: connections.into_iter().map(|wired| wired.connection).collect(),
+        events,
+        rises: Vec::new(),
+        claims,
+        columns,
+    })
+}

@@ -1,0 +1,125 @@
+//! `assert`: what must hold, how far it looks ahead, and what its margin is measured in.
+
+use super::grid::duration;
+use super::meaning::{Bound, Condition, Measure};
+use super::scope::Scope;
+use super::temporal::total;
+use crate::diagnostic::Diagnostic;
+use crate::scenario::{BooleanExpression, Claim, Formula, Limit, Margin};
+use crate::source::Span;
+use crate::syntax::{Expression, Name, TemporalWord};
+
+use super::measure::quantity;
+use super::real;
+
+impl Scope<'_> {
+    /// The claims in the script's order.
+    pub fn claims(&self, stop_tick: Option<u64>) -> Vec<Claim> {
+        self.script.claims.iter().filter_map(|(name, claim)| self.claim(name, claim, stop_tick)).collect()
+    }
+
+    fn claim(&self, name: &Name, claim: &Expression, stop_tick: Option<u64>) -> Option<Claim> {
+        let condition = self.condition(claim)?;
+        let mut bounds = Vec::new();
+        condition.collect_bounds(false, &mut bounds);
+        self.check_dimensions(&bounds);
+        let windows = condition.reach();
+        if stop_tick.is_some_and(|stop| total(&windows) > stop) {
+            self.report(self.too_long(name, &windows));
+        }
+        let limit = match bounds.as_slice() {
+            [(bound, negated)] => bound.limit.map(|limit| Limit { upper: limit.upper != *negated, ..limit }),
+            _ => None,
+        };
+        Some(Claim {
+            name: name.word.text.clone(),
+            text: self.text(claim.span),
+            line: self.line(name.span),
+            formula: condition.formula(false),
+            horizon: condition.horizon(),
+            unit: bounds.first().map(|(bound, _)| bound.unit.clone()),
+            limit,
+        })
+    }
+
+    fn check_dimensions(&self, bounds: &[(&Bound, bool)]) {
+        let Some(((first, _), rest)) = bounds.split_first() else { return };
+        let agrees = |bound: &Bound| match (first.measure, bound.measure) {
+            (Measure::Known(left), Measure::Known(right)) => left.without_angle() == right.without_angle(),
+            (left, right) => left == right,
+        };
+        let Some((other, _)) = rest.iter().find(|(bound, _)| !agrees(bound)) else { return };
+        let told = |bound: &Bound| match bound.measure {
+            _ if !bound.unit.name.is_empty() => bound.unit.name.clone(),
+            Measure::Known(dimension) => quantity(dimension),
+            Measure::Undeclared => "no unit".to_owned(),
+        };
+        let message = format!("this claim would mix a margin in {} with a margin in {}", told(first), told(other));
+        let error = Diagnostic::error("E10", first.span, message).saying(format!("margin in {}", told(first)));
+        let error = error.label(other.span, format!("margin in {}", told(other)));
+        let advice = match (&first.scaled, &other.scaled) {
+            (Some(left), Some(right)) => format!("make two asserts, or compare plain numbers: `{left}` and `{right}`"),
+            _ => "make two asserts, or compare plain numbers".to_owned(),
+        };
+        self.report(error.help(advice));
+    }
+
+    fn too_long(&self, name: &Name, windows: &[(u64, &str)]) -> Diagnostic {
+        let step_ns = self.grid().map_or(0, |grid| grid.step_ns);
+        let told = |ticks: u64| duration(ticks.saturating_mul(step_ns));
+        let parts: Vec<_> = windows.iter().map(|(ticks, word)| format!("{} {word}", told(*ticks))).collect();
+        let sum = if parts.len() > 1 { format!(" ({})", parts.join(" + ")) } else { String::new() };
+        let ahead = told(total(windows));
+        let stop = self.script.stop.map_or(Span::default(), |stop| stop.span);
+        let message = format!("`{}` looks {ahead} ahead{sum}, the run ends at {}", name.word.text, self.text(stop));
+        let error = Diagnostic::error("E09", name.span, message).label(stop, "the end");
+        error.help(format!("shorten the claim or write `stop {ahead}`"))
+    }
+}
+
+impl Condition {
+    /// All comparisons of reals, each with whether it stands under an odd number of `not`.
+    fn collect_bounds<'c>(&'c self, negated: bool, bounds: &mut Vec<(&'c Bound, bool)>) {
+        match self {
+            Self::Plain(_) => {}
+            Self::Bound(bound) => bounds.push((bound, negated)),
+            Self::Not(of) => of.collect_bounds(!negated, bounds),
+            Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.collect_bounds(negated, bounds)),
+            Self::Temporal(claim) => claim.body.collect_bounds(negated, bounds),
+        }
+    }
+
+    /// The formula, with negations moved inward to the comparisons.
+    fn formula(&self, negated: bool) -> Formula {
+        let all = |parts: &[Self]| parts.iter().map(|part| part.formula(negated)).collect();
+        match self {
+            Self::Plain(condition) if negated => Formula::Condition(opposite(condition)),
+            Self::Plain(condition) => Formula::Condition(condition.clone()),
+            Self::Bound(Bound { margin, .. }) if negated => {
+                Formula::Margin(Margin { value: real::negate(margin.value.clone()), strict: !margin.strict })
+            }
+            Self::Bound(Bound { margin, .. }) => Formula::Margin(margin.clone()),
+            Self::Not(of) => of.formula(!negated),
+            Self::And(parts) if negated => Formula::Or(all(parts)),
+            Self::And(parts) => Formula::And(all(parts)),
+            Self::Or(parts) if negated => Formula::And(all(parts)),
+            Self::Or(parts) => Formula::Or(all(parts)),
+            Self::Temporal(claim) => {
+                let body = Box::new(claim.body.formula(negated));
+                if (claim.word == TemporalWord::Eventually) == negated {
+                    Formula::Always(claim.window, body)
+                } else {
+                    Formula::Eventually(claim.window, body)
+                }
+            }
+        }
+    }
+}
+
+fn opposite(condition: &BooleanExpression) -> BooleanExpression {
+    match condition {
+        BooleanExpression::Constant(value) => BooleanExpression::Constant(!value),
+        BooleanExpression::Not(of) => (**of).clone(),
+        other => BooleanExpression::Not(Box::new(other.clone())),
+    }
+}

@@ -1,0 +1,294 @@
+//! The meaning of expressions, one kind after the other.
+
+use fmi2::units::{BaseUnit, Dimension};
+
+use super::meaning::{Condition, Group, Meaning, Measure, Origin, Real, Text};
+use super::measure::unit_name;
+use super::real;
+use super::scope::Scope;
+use super::script::{Declaration, not_yet};
+use crate::diagnostic::Diagnostic;
+use crate::scenario::{BooleanExpression, RealExpression};
+use crate::source::Span;
+use crate::syntax::{Expression, ExpressionKind as Kind, Path, Segment, Word};
+
+impl Scope<'_> {
+    /// What an expression means; `None` if that was refused, here or in something that it depends on.
+    pub fn evaluate(&self, expression: &Expression) -> Option<Meaning> {
+        let span = expression.span;
+        match &expression.kind {
+            Kind::Quantity { number, unit } => self.quantity(expression, *number, unit.as_ref()),
+            Kind::Text(text) => Some(Meaning::Text(Text::Literal(text.clone()))),
+            Kind::Boolean(value) => Some(Meaning::plain(BooleanExpression::Constant(*value))),
+            Kind::Path(path) => self.path(path),
+            Kind::List { elements, unit } => self.list(expression, elements, unit.as_ref()),
+            Kind::Call { function, arguments } => self.call(function, arguments, span),
+            Kind::Negate(of) => self.negated(of),
+            Kind::In(of, unit) => self.in_unit(expression, of, unit),
+            Kind::As(of, unit) => self.as_unit(expression, of, unit),
+            Kind::Arithmetic(operator, left, right) => self.arithmetic(*operator, left, right),
+            Kind::Range(..) => {
+                let error = Diagnostic::error("E21", span, "a range is no value");
+                self.refuse(error.help("ranges stand in `within`, `for` and `sweep`; a chain reads `1 m < x < 5 m`"))
+            }
+            Kind::Comparison { first, rest } => self.comparison(first, rest, span).map(Meaning::Condition),
+            Kind::Not(of) => Some(Meaning::Condition(Condition::Not(Box::new(self.condition(of)?)))),
+            Kind::And(parts) => self.conditions(parts).map(|parts| Meaning::Condition(Condition::And(parts))),
+            Kind::Or(parts) => self.conditions(parts).map(|parts| Meaning::Condition(Condition::Or(parts))),
+            Kind::Until { left, right, .. } => {
+                let _ = (self.evaluate(left), self.evaluate(right));
+                self.refuse(not_yet(span, "`until`"))
+            }
+            Kind::Implies(left, right) => {
+                let _ = (self.evaluate(left), self.evaluate(right));
+                self.refuse(not_yet(span, "`implies`"))
+            }
+            Kind::Temporal { word, word_span, span: window, body } => self
+                .temporal(*word, *word_span, window.as_ref(), body)
+                .map(|claim| Meaning::Condition(Condition::Temporal(claim))),
+        }
+    }
+
+    fn quantity(&self, expression: &Expression, number: f64, unit: Option<&Word>) -> Option<Meaning> {
+        let Some(unit) = unit else { return Some(Meaning::Real(Real::plain(number))) };
+        let base = self.unit_of_measure(unit, expression)?;
+        Some(Meaning::Real(literal(number, base, &unit.text)))
+    }
+
+    fn list(&self, expression: &Expression, elements: &[Expression], unit: Option<&Word>) -> Option<Meaning> {
+        let base = match unit {
+            Some(unit) => Some((self.unit_of_measure(unit, expression)?, unit)),
+            None => None,
+        };
+        let element = |element: &Expression| {
+            let meaning = self.evaluate(element)?;
+            match base {
+                Some((base, unit)) => self.with_unit(meaning, base, &unit.text, element.span),
+                None => Some(meaning),
+            }
+        };
+        let elements: Vec<_> = elements.iter().map(element).collect();
+        elements.into_iter().collect::<Option<_>>().map(Meaning::List)
+    }
+
+    /// Gives plain numbers the unit that stands behind their list.
+    fn with_unit(&self, meaning: Meaning, base: BaseUnit, name: &str, span: Span) -> Option<Meaning> {
+        match meaning {
+            Meaning::List(elements) => {
+                let elements = elements.into_iter().map(|element| self.with_unit(element, base, name, span));
+                elements.collect::<Option<_>>().map(Meaning::List)
+            }
+            Meaning::Real(Real { origin: Origin::Literal { number, has_unit: false, .. }, .. }) => {
+                Some(Meaning::Real(literal(number, base, name)))
+            }
+            Meaning::Real(value) if value.measure == Measure::PLAIN => {
+                let unit = Some(unit_name(name, base, true));
+                let value = real::to_si(value.expression, base);
+                Some(Meaning::Real(Real::computed(value, Measure::Known(base.dimension), unit)))
+            }
+            other => {
+                let message = format!("`{}` cannot take the unit behind the list, `{name}`", self.text(span));
+                let what = match &other {
+                    Meaning::Real(value) => self.described(value),
+                    other => other.kind().to_owned(),
+                };
+                let error = Diagnostic::error("E33", span, message).saying(what);
+                self.refuse(error.help("give each element its own unit: `[1 m, 2 m]`"))
+            }
+        }
+    }
+
+    fn path(&self, path: &Path) -> Option<Meaning> {
+        let root = path.root.text.as_str();
+        let builtin = match root {
+            "time" => Real::computed(RealExpression::Time, Measure::Known(super::grid::SECOND), None),
+            "pi" => Real::plain(std::f64::consts::PI),
+            _ => return self.declared(path),
+        };
+        self.narrowed(Some(Meaning::Real(builtin)), path)
+    }
+
+    fn declared(&self, path: &Path) -> Option<Meaning> {
+        match self.script.names.get(path.root.text.as_str()) {
+            Some(&Declaration::Parameter(binding)) => {
+                self.narrowed(self.binding(binding, self.assigned(binding)), path)
+            }
+            Some(&Declaration::Let(binding)) => self.narrowed(self.binding(binding, &binding.value), path),
+            Some(&Declaration::Instance(..)) => self.source(self.signal(path)?, path.span),
+            Some(Declaration::Refused(_)) => None,
+            None if path.root.text == "seed" => self.narrowed(self.implicit_seed(), path),
+            None => self.refuse(self.unknown_name(&path.root, |_| true, &["time", "pi", "seed"])),
+        }
+    }
+
+    /// Follows what stands behind the name of a `let` or `param`.
+    fn narrowed(&self, meaning: Option<Meaning>, path: &Path) -> Option<Meaning> {
+        let meaning = meaning?;
+        let Some(first) = path.tail.first() else { return Some(meaning) };
+        match meaning {
+            Meaning::Group(group) => {
+                let signal = self.walk(group.instance, group.prefix, &path.tail, path)?;
+                self.source(signal, path.span)
+            }
+            Meaning::List(elements) => {
+                let Segment::Index(index, span) = first else { return self.refuse(self.no_parts(path)) };
+                let ([index], rest) = (index.as_slice(), &path.tail[1..]) else {
+                    return self.refuse(self.no_parts(path));
+                };
+                let at = self.whole_number(index)?;
+                let element = usize::try_from(at - 1).ok().and_then(|at| elements.get(at));
+                let Some(element) = element else {
+                    let message = format!("`{}` has no element `[{at}]`", path.root.text);
+                    let help = format!("its elements go from `[1]` to `[{}]`", elements.len());
+                    return self.refuse(Diagnostic::error("E22", *span, message).help(help));
+                };
+                let rest = Path { root: path.root.clone(), tail: rest.to_vec(), span: path.span };
+                self.narrowed(Some(element.clone()), &rest)
+            }
+            _ => self.refuse(self.no_parts(path)),
+        }
+    }
+
+    fn no_parts(&self, path: &Path) -> Diagnostic {
+        let message = format!("`{}` has no parts that could be named so", path.root.text);
+        Diagnostic::error("E22", path.span, message)
+            .help("lists have elements such as `[1]`, groups have members by name")
+    }
+
+    fn in_unit(&self, whole: &Expression, of: &Expression, unit: &Word) -> Option<Meaning> {
+        let (meaning, base) = (self.evaluate(of), self.unit_of_measure(unit, whole));
+        let (value, base) = (self.real(&meaning?, of.span)?, base?);
+        let Measure::Known(dimension) = value.measure else {
+            let message = format!("`{}` declares no unit that could be taken out", self.text(of.span));
+            return self.refuse(
+                Diagnostic::error("E33", of.span, message)
+                    .help(format!("it is a number already; its unit is given by `as {}`", unit.text)),
+            );
+        };
+        if dimension.without_angle() != base.dimension.without_angle() {
+            let message = format!("`{}` is not measured in {}", self.text(of.span), unit.text);
+            let error = Diagnostic::error("E02", unit.span, message).saying(base.dimension.to_string());
+            return self
+                .refuse(error.label(of.span, self.described(&value)).help("`in` needs a unit of the same dimension"));
+        }
+        let number = match value.origin {
+            Origin::Literal { number, base: written, .. } if written == base => RealExpression::Constant(number),
+            _ => real::from_si(value.expression, base),
+        };
+        Some(Meaning::Real(Real::computed(number, Measure::PLAIN, None)))
+    }
+
+    fn as_unit(&self, whole: &Expression, of: &Expression, unit: &Word) -> Option<Meaning> {
+        let (meaning, base) = (self.evaluate(of), self.unit_of_measure(unit, whole));
+        let (value, base) = (self.real(&meaning?, of.span)?, base?);
+        if !matches!(value.measure, Measure::Undeclared | Measure::Known(Dimension::NONE)) {
+            let message = format!("`{}` has a unit already", self.text(of.span));
+            let error = Diagnostic::error("E33", of.span, message).saying(self.described(&value));
+            return self
+                .refuse(error.help(format!("units are converted by themselves; the number is `… in {}`", unit.text)));
+        }
+        let expression = real::to_si(value.expression, base);
+        let unit = Some(unit_name(&unit.text, base, true));
+        Some(Meaning::Real(Real::computed(expression, Measure::Known(base.dimension), unit)))
+    }
+
+    /// One real number.
+    pub fn real(&self, meaning: &Meaning, span: Span) -> Option<Real> {
+        match meaning {
+            Meaning::Real(value) => Some(value.clone()),
+            Meaning::Integer(port) => Some(Real {
+                expression: RealExpression::Signal(*port),
+                measure: Measure::PLAIN,
+                unit: None,
+                origin: Origin::Port(*port),
+            }),
+            Meaning::List(elements) => self.refuse(self.one_expected(span, elements.len())),
+            Meaning::Group(group) => self.refuse(self.one_expected(span, group.members.len())),
+            other => {
+                let message = format!("expected a number, found {}", other.kind());
+                self.refuse(Diagnostic::error("E21", span, message).help("texts and Booleans have no arithmetic"))
+            }
+        }
+    }
+
+    fn one_expected(&self, span: Span, count: usize) -> Diagnostic {
+        let message = format!("expected one number, `{}` is a vector of {count}", self.text(span));
+        Diagnostic::error("E22", span, message)
+            .help("`norm`, `max` or `sum` make one number of it, `.x` or `[1]` takes one out")
+    }
+
+    /// The elements of a vector; one number is a vector of one.
+    pub fn reals(&self, meaning: &Meaning, span: Span) -> Option<Vec<Real>> {
+        match meaning {
+            Meaning::List(elements) => elements.iter().map(|element| self.real(element, span)).collect(),
+            Meaning::Group(group) => self.vector(group, span),
+            other => Some(vec![self.real(other, span)?]),
+        }
+    }
+
+    fn vector(&self, group: &Group, span: Span) -> Option<Vec<Real>> {
+        let meanings = group.ports().map(|port| (port, self.port_meaning(port)));
+        let mut values: Vec<Real> = Vec::new();
+        for (port, meaning) in meanings {
+            let Meaning::Real(value) = meaning else {
+                return self.refuse(self.mixed(
+                    group,
+                    span,
+                    &format!("`{}` is {}", self.port_name(port), meaning.kind()),
+                ));
+            };
+            let same = |first: &Real| first.measure == value.measure && first.unit == value.unit;
+            if let Some(first) = values.first().filter(|first| !same(first)) {
+                let units = format!("it holds {} and {}", self.described(first), self.described(&value));
+                return self.refuse(self.mixed(group, span, &units));
+            }
+            values.push(value);
+        }
+        Some(values)
+    }
+
+    fn mixed(&self, group: &Group, span: Span, why: &str) -> Diagnostic {
+        let message = format!("`{}` does not compute: {why}", self.text(span));
+        let first = group.members.first().map_or("", |(suffix, _)| suffix.as_str());
+        let help = format!("such a group connects as a whole; take one part, for example `{}{first}`", self.text(span));
+        Diagnostic::error("E23", span, message).help(help)
+    }
+
+    /// The condition that an expression is.
+    pub fn condition(&self, expression: &Expression) -> Option<Condition> {
+        let meaning = self.evaluate(expression)?;
+        self.as_condition(&meaning, expression.span)
+    }
+
+    /// The condition that a meaning is.
+    pub fn as_condition(&self, meaning: &Meaning, span: Span) -> Option<Condition> {
+        match meaning {
+            Meaning::Condition(condition) => Some(condition.clone()),
+            other => {
+                let message = format!("expected a condition, `{}` is {}", self.text(span), other.kind());
+                self.refuse(Diagnostic::error("E21", span, message).help("a condition compares, for example `x > 3 m`"))
+            }
+        }
+    }
+
+    fn conditions(&self, parts: &[Expression]) -> Option<Vec<Condition>> {
+        let parts: Vec<_> = parts.iter().map(|part| self.condition(part)).collect();
+        parts.into_iter().collect()
+    }
+
+    /// That a value has to be known before the run.
+    pub fn must_be_known(&self, span: Span) -> Diagnostic {
+        let message = format!("`{}` is not known before the run", self.text(span));
+        Diagnostic::error("E27", span, message).help("numbers, parameters and what is computed from them stand here")
+    }
+}
+
+/// A number with its unit, as written.
+fn literal(number: f64, base: BaseUnit, name: &str) -> Real {
+    Real {
+        expression: RealExpression::Constant(base.to_si(number)),
+        measure: Measure::Known(base.dimension),
+        unit: Some(unit_name(name, base, true)),
+        origin: Origin::Literal { number, base, has_unit: true },
+    }
+}

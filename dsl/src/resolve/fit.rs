@@ -1,0 +1,173 @@
+//! Brings a value to the type and unit of the variable that takes it.
+
+use fmi2::description::Kind;
+
+use super::meaning::{Condition, Meaning, Measure, Origin, Real, Text};
+use super::measure::{quantity, si_name};
+use super::real;
+use super::scope::Scope;
+use crate::diagnostic::Diagnostic;
+use crate::nearest::{listed, nearest};
+use crate::scenario::{BooleanExpression, Drive, Port, RealExpression};
+use crate::source::Span;
+
+/// A value in the type and unit of its target.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Fitted {
+    /// What a run can compute.
+    Drive(Drive),
+    /// `file("x")`
+    File(String),
+}
+
+/// Where a value meets its target.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meeting<'p> {
+    /// The value as written.
+    pub source: Span,
+    /// The target as written.
+    pub target: Span,
+    /// The arrow, if it is a connection.
+    pub arrow: Option<&'p str>,
+}
+
+impl Scope<'_> {
+    /// The value as its target takes it.
+    pub fn fit(&self, value: &Meaning, target: Port, at: Meeting<'_>) -> Option<Fitted> {
+        let drive = match (&self.variable(target).kind, value) {
+            (Kind::Real(_), Meaning::Real(value)) => self.fit_real(value, target, at)?,
+            (Kind::Real(_), Meaning::Integer(port)) => Drive::Real(RealExpression::Signal(*port)),
+            (Kind::Integer { .. }, Meaning::Integer(port)) => Drive::Copy(*port),
+            (Kind::Integer { .. }, Meaning::Real(value)) => Drive::Integer(self.fit_integer(value, target, at)?),
+            (Kind::Boolean { .. }, Meaning::Condition(Condition::Plain(BooleanExpression::Signal(port)))) => {
+                Drive::Copy(*port)
+            }
+            (Kind::Boolean { .. }, Meaning::Condition(condition)) => {
+                Drive::Boolean(self.momentary(condition, at.source)?)
+            }
+            (Kind::Enumeration { .. }, Meaning::Item(port)) if self.same_items(*port, target) => Drive::Copy(*port),
+            (Kind::Enumeration { .. }, Meaning::Item(port)) => {
+                let message =
+                    format!("`{}` and `{}` have different items", self.port_name(*port), self.port_name(target));
+                let error = Diagnostic::error("E21", at.source, message).saying(self.items(*port));
+                return self.refuse(
+                    error.label(at.target, self.items(target)).help("compare and compute instead: `x == \"item\"`"),
+                );
+            }
+            (Kind::Enumeration { .. }, Meaning::Text(Text::Literal(name))) => {
+                Drive::Integer(self.item(target, name, at.source)?)
+            }
+            (Kind::String { .. }, Meaning::Text(Text::Literal(text))) => Drive::String(text.clone()),
+            (Kind::String { .. }, Meaning::Text(Text::File(path))) => return Some(Fitted::File(path.clone())),
+            (Kind::String { .. }, Meaning::Text(Text::Port(port))) => Drive::Copy(*port),
+            (_, value) => return self.refuse(self.types_differ(value, target, at)),
+        };
+        Some(Fitted::Drive(drive))
+    }
+
+    fn fit_real(&self, value: &Real, target: Port, at: Meeting<'_>) -> Option<Drive> {
+        let (Measure::Known(given), Some(taken)) = (value.measure, self.declared_unit(target)) else {
+            if self.declared_unit(target).is_none() {
+                self.warn_undeclared(value, at.source, &format!("`{}`", self.port_name(target)));
+            }
+            return Some(match value.origin {
+                Origin::Port(port) => Drive::Copy(port),
+                _ => Drive::Real(value.expression.clone()),
+            });
+        };
+        let agrees = match value.origin {
+            Origin::Computed => given.without_angle() == taken.dimension.without_angle(),
+            Origin::Literal { .. } | Origin::Port(_) => given == taken.dimension,
+        };
+        if !agrees {
+            return self.refuse(self.dimensions_differ(value, target, at));
+        }
+        Some(match value.origin {
+            Origin::Literal { number, base, .. } if base == taken => Drive::Real(RealExpression::Constant(number)),
+            Origin::Port(port) if self.declared_unit(port) == Some(taken) => Drive::Copy(port),
+            _ => Drive::Real(real::from_si(value.expression.clone(), taken)),
+        })
+    }
+
+    fn dimensions_differ(&self, value: &Real, target: Port, at: Meeting<'_>) -> Diagnostic {
+        let (Measure::Known(given), Some(taken)) = (value.measure, self.declared_unit(target)) else {
+            unreachable!("what is undeclared fits everything");
+        };
+        let (gives, takes) = (quantity(given), quantity(taken.dimension));
+        let message = match at.arrow {
+            Some(_) => format!("cannot connect {gives} to {takes}"),
+            None => format!("cannot set {takes} to {gives}"),
+        };
+        let error = Diagnostic::error("E02", at.source, message).saying(format!("gives {}", self.described(value)));
+        let error = error.label(at.target, format!("takes {}", self.port_unit(target)));
+        let (source, sink) = (self.text(at.source), self.text(at.target));
+        let unit = self.known(target.instance).unit_of(self.variable(target)).unwrap_or_default();
+        if value.measure == Measure::PLAIN && value.constant().is_some() {
+            return error.help(format!("write the unit: `{source} {unit}`"));
+        }
+        let factor = taken.dimension.checked_div(given).map(si_name);
+        match (at.arrow, factor) {
+            (Some(arrow), Some(factor)) if !factor.is_empty() => {
+                error.help(format!("compute it on the left, for example `{source} * 0.2 {factor} {arrow} {sink}`"))
+            }
+            _ => error.help(format!("it takes a value such as `1 {unit}`")),
+        }
+    }
+
+    fn fit_integer(&self, value: &Real, target: Port, at: Meeting<'_>) -> Option<i32> {
+        let name = self.port_name(target);
+        let Some(number) = value.constant().filter(|_| value.measure == Measure::PLAIN) else {
+            let message = format!("`{name}` takes an Integer, a real is not narrowed to one");
+            let error = Diagnostic::error("E21", at.source, message).saying(format!("gives {}", self.described(value)));
+            return self.refuse(
+                error.label(at.target, "takes an Integer").help("connect an Integer output, or write a whole number"),
+            );
+        };
+        if number.fract() != 0.0 || number < f64::from(i32::MIN) || number > f64::from(i32::MAX) {
+            let message = format!("`{name}` takes an Integer, and {number} is none");
+            let error = Diagnostic::error("E38", at.source, message);
+            return self.refuse(error.help(format!("Integers are whole and go from {} to {}", i32::MIN, i32::MAX)));
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "whole and within the range above")]
+        Some(number as i32)
+    }
+
+    /// The value of an enumeration's item.
+    pub fn item(&self, port: Port, name: &str, span: Span) -> Option<i32> {
+        let items = self.known(port.instance).items_of(self.variable(port));
+        if let Some(item) = items.iter().find(|item| item.name == name) {
+            return Some(item.value);
+        }
+        let error = Diagnostic::error("E34", span, format!("`{}` has no item `{name}`", self.port_name(port)));
+        let names = || items.iter().map(|item| item.name.as_str());
+        self.refuse(match nearest(name, names()) {
+            Some(near) => error.help(format!("did you mean \"{near}\"?")),
+            None => error.help(format!("its items are {}", listed(names()))),
+        })
+    }
+
+    fn items(&self, port: Port) -> String {
+        let items = self.known(port.instance).items_of(self.variable(port));
+        listed(items.iter().map(|item| item.name.as_str()))
+    }
+
+    fn types_differ(&self, value: &Meaning, target: Port, at: Meeting<'_>) -> Diagnostic {
+        let takes = match self.variable(target).kind {
+            Kind::Real(_) => "a Real",
+            Kind::Integer { .. } => "an Integer",
+            Kind::Boolean { .. } => "a Boolean",
+            Kind::Enumeration { .. } => "an Enumeration",
+            Kind::String { .. } => "a String",
+        };
+        let message = format!("`{}` takes {takes}, found {}", self.port_name(target), value.kind());
+        let error = Diagnostic::error("E21", at.source, message).saying(format!("gives {}", value.kind()));
+        let error = error.label(at.target, format!("takes {takes}"));
+        match (&self.variable(target).kind, value) {
+            (Kind::Enumeration { .. }, _) => error.help(format!("it takes one of {} in quotes", self.items(target))),
+            (Kind::Boolean { .. }, Meaning::Real(_) | Meaning::Integer(_)) => {
+                error.help("a comparison is a Boolean: `x > 0.5`")
+            }
+            _ => error.help("types have to be equal; only an Integer widens to a Real"),
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! Calls of functions.
+
+use fmi2::units::Dimension;
+
+use super::arithmetic::{Pair, is_vector, preferred};
+use super::meaning::{Condition, Meaning, Measure, Real, Text};
+use super::measure::quantity;
+use super::real;
+use super::scope::Scope;
+use super::script::not_yet;
+use crate::diagnostic::Diagnostic;
+use crate::nearest::nearest;
+use crate::scenario::{BooleanExpression, Function};
+use crate::source::Span;
+use crate::syntax::{Expression, Operator, Word};
+
+const NAMES: [&str; 19] = [
+    "abs", "min", "max", "sum", "mean", "sqrt", "exp", "log", "floor", "sin", "cos", "tan", "atan2", "norm", "dist",
+    "all", "any", "rises", "file",
+];
+
+/// The dimension of an angle.
+const ANGLE: Dimension = Dimension([0, 0, 0, 0, 0, 0, 0, 1]);
+
+/// A call whose arguments have a meaning.
+struct Call<'c> {
+    name: &'c Word,
+    span: Span,
+    arguments: Vec<(Meaning, Span)>,
+}
+
+impl Scope<'_> {
+    /// `function(arguments)`
+    pub fn call(&self, function: &Word, arguments: &[Expression], span: Span) -> Option<Meaning> {
+        let name = function.text.as_str();
+        if matches!(name, "curve" | "normal" | "uniform" | "choice") {
+            return self.refuse(not_yet(span, &format!("`{name}`")));
+        }
+        if !NAMES.contains(&name) {
+            let error = Diagnostic::error("E01", function.span, format!("there is no function `{name}`"));
+            return self.refuse(match nearest(name, NAMES) {
+                Some(near) => error.help(format!("did you mean `{near}`?")),
+                None => error.help(format!("the functions are {}", NAMES.join(" "))),
+            });
+        }
+        if name == "sum" {
+            let offset: Vec<_> = arguments.iter().filter(|argument| self.is_offset_literal(argument)).collect();
+            offset.iter().for_each(|argument| self.refuse_offset(argument, "a sum"));
+            if !offset.is_empty() {
+                return None;
+            }
+        }
+        let meanings: Vec<_> =
+            arguments.iter().map(|argument| Some((self.evaluate(argument)?, argument.span))).collect();
+        let call = Call { name: function, span, arguments: meanings.into_iter().collect::<Option<_>>()? };
+        match name {
+            "min" | "max" | "sum" | "mean" => self.reduced(&call),
+            "norm" => self.norm(&call),
+            "dist" => self.dist(&call),
+            "atan2" => self.atan2(&call),
+            "all" | "any" => self.quantified(&call),
+            "rises" => self.rises(&call),
+            "file" => self.file(&call),
+            _ => self.unary(&call),
+        }
+    }
+
+    fn count<const N: usize>(&self, call: &Call<'_>) -> Option<[(Meaning, Span); N]> {
+        if let Ok(arguments) = call.arguments.clone().try_into() {
+            return Some(arguments);
+        }
+        let expected = if N == 1 { "one argument".to_owned() } else { format!("{N} arguments") };
+        let message = format!("`{}` takes {expected}, found {}", call.name.text, call.arguments.len());
+        let help = if N == 1 { "for example `abs(x)`" } else { "for example `dist(a, b)`" };
+        self.refuse(Diagnostic::error("E31", call.span, message).help(help))
+    }
+
+    fn unary(&self, call: &Call<'_>) -> Option<Meaning> {
+        let [(argument, span)] = self.count(call)?;
+        let value = self.real(&argument, span)?;
+        let (function, measure) = match call.name.text.as_str() {
+            "abs" => (Function::Abs, Some(value.measure)),
+            "sqrt" => (Function::Sqrt, root(value.measure)),
+            "exp" => (Function::Exp, plain(value.measure)),
+            "log" => (Function::Log, plain(value.measure)),
+            "floor" => (Function::Floor, plain(value.measure)),
+            "sin" => (Function::Sin, plain(value.measure)),
+            "cos" => (Function::Cos, plain(value.measure)),
+            _ => (Function::Tan, plain(value.measure)),
+        };
+        let Some(measure) = measure else {
+            let Measure::Known(dimension) = value.measure else { unreachable!("what is undeclared fits everything") };
+            let message = format!("`{}` has no value for {}", call.name.text, quantity(dimension));
+            let error = Diagnostic::error("E02", span, message).saying(self.described(&value));
+            return self.refuse(error.help("take the number out with `in`, or divide by a quantity"));
+        };
+        let unit = if function == Function::Abs { value.unit } else { None };
+        Some(Meaning::Real(Real::computed(real::call(function, vec![value.expression]), measure, unit)))
+    }
+
+    /// The numbers of a call: its arguments, or the elements of its one list.
+    fn numbers(&self, call: &Call<'_>) -> Option<Vec<(Real, Span)>> {
+        if let [(vector, span)] = call.arguments.as_slice()
+            && is_vector(vector)
+        {
+            return Some(self.reals(vector, *span)?.into_iter().map(|value| (value, *span)).collect());
+        }
+        let numbers = call.arguments.iter().map(|(value, span)| Some((self.real(value, *span)?, *span)));
+        numbers.collect()
+    }
+
+    fn reduced(&self, call: &Call<'_>) -> Option<Meaning> {
+        let name = call.name.text.as_str();
+        if let [(only, span)] = call.arguments.as_slice()
+            && !is_vector(only)
+        {
+            let text = self.text(*span);
+            let message = format!("`{name}` of one number is that number");
+            let help = match name {
+                "min" => format!("over time this is a claim: `always {text} > …`"),
+                "max" => format!("over time this is a claim: `always {text} < …`"),
+                _ => format!("give several, or compare over time: `always {text} < …`"),
+            };
+            return self.refuse(Diagnostic::error("E31", call.span, message).help(help));
+        }
+        let values = self.numbers(call)?;
+        let function = match name {
+            "min" => Function::Min,
+            "max" => Function::Max,
+            "sum" => Function::Sum,
+            _ => Function::Mean,
+        };
+        let code = if matches!(function, Function::Min | Function::Max) { "E10" } else { "E02" };
+        self.joined(call, function, &values, code).map(Meaning::Real)
+    }
+
+    /// A function of numbers of one dimension.
+    fn joined(&self, call: &Call<'_>, function: Function, values: &[(Real, Span)], code: &'static str) -> Option<Real> {
+        let Some(((first, first_span), rest)) = values.split_first() else {
+            let message = format!("`{}` of nothing has no value", call.name.text);
+            return self.refuse(Diagnostic::error("E31", call.span, message).help("give a list or several numbers"));
+        };
+        let mut all = first.clone();
+        for (value, span) in rest {
+            let pair = Pair { left: (&all, *first_span), right: (value, *span) };
+            let measure = self.unified(pair, code, &format!("`{}`", call.name.text))?;
+            let unit = preferred(&all, value);
+            all = Real { measure, unit, ..all };
+        }
+        let expressions = values.iter().map(|(value, _)| value.expression.clone()).collect();
+        Some(Real::computed(real::call(function, expressions), all.measure, all.unit))
+    }
+
+    fn norm(&self, call: &Call<'_>) -> Option<Meaning> {
+        let values = self.numbers(call)?;
+        self.joined(call, Function::Norm, &values, "E02").map(Meaning::Real)
+    }
+
+    fn dist(&self, call: &Call<'_>) -> Option<Meaning> {
+        let [(left, left_span), (right, right_span)] = self.count(call)?;
+        let (from, to) = (self.reals(&left, left_span), self.reals(&right, right_span));
+        let (from, to) = (from?, to?);
+        if !self.same_length(from.len(), to.len(), (left_span, right_span)) {
+            return None;
+        }
+        let difference = |(from, to): (&Real, &Real)| {
+            let measure = self.unified(Pair { left: (from, left_span), right: (to, right_span) }, "E02", "subtract")?;
+            let expression = real::combine(Operator::Subtract, from.expression.clone(), to.expression.clone());
+            Some((Real::computed(expression, measure, preferred(from, to)), call.span))
+        };
+        let differences: Option<Vec<_>> = from.iter().zip(&to).map(difference).collect();
+        self.joined(call, Function::Norm, &differences?, "E02").map(Meaning::Real)
+    }
+
+    fn atan2(&self, call: &Call<'_>) -> Option<Meaning> {
+        let [(y, y_span), (x, x_span)] = self.count(call)?;
+        let (y, x) = (self.real(&y, y_span), self.real(&x, x_span));
+        let (y, x) = (y?, x?);
+        self.unified(Pair { left: (&y, y_span), right: (&x, x_span) }, "E02", "compare")?;
+        let angle = real::call(Function::Atan2, vec![y.expression, x.expression]);
+        Some(Meaning::Real(Real::computed(angle, Measure::Known(ANGLE), None)))
+    }
+
+    fn quantified(&self, call: &Call<'_>) -> Option<Meaning> {
+        let mut parts = Vec::new();
+        for (meaning, span) in &call.arguments {
+            match meaning {
+                Meaning::List(elements) => {
+                    parts.extend(elements.iter().map(|element| self.as_condition(element, *span)));
+                }
+                Meaning::Group(group) => {
+                    parts.extend(group.ports().map(|port| self.as_condition(&self.port_meaning(port), *span)));
+                }
+                other => parts.push(self.as_condition(other, *span)),
+            }
+        }
+        let parts = parts.into_iter().collect::<Option<Vec<_>>>()?;
+        if parts.is_empty() {
+            let message = format!("`{}` of nothing has no value", call.name.text);
+            return self.refuse(Diagnostic::error("E31", call.span, message).help("give a list or several conditions"));
+        }
+        let joined = if call.name.text == "all" { Condition::And(parts) } else { Condition::Or(parts) };
+        Some(Meaning::Condition(joined))
+    }
+
+    fn rises(&self, call: &Call<'_>) -> Option<Meaning> {
+        let [(condition, span)] = self.count(call)?;
+        let condition = self.as_condition(&condition, span)?;
+        let condition = self.momentary(&condition, span)?;
+        Some(Meaning::plain(BooleanExpression::Rises(self.rises_slot(condition))))
+    }
+
+    /// A condition that is judged at one point in time.
+    pub fn momentary(&self, condition: &Condition, span: Span) -> Option<BooleanExpression> {
+        condition.boolean().map_or_else(
+            |word| {
+                let message = format!("`{}` looks ahead in time, which only claims do", self.text(word));
+                let error = Diagnostic::error("E30", span, message);
+                let error = if word == span { error } else { error.label(word, "here") };
+                self.refuse(error.help("write it in an `assert`, or in a `let` that only asserts use"))
+            },
+            Some,
+        )
+    }
+
+    fn file(&self, call: &Call<'_>) -> Option<Meaning> {
+        let [(path, span)] = self.count(call)?;
+        match path {
+            Meaning::Text(Text::Literal(path)) => Some(Meaning::Text(Text::File(path))),
+            other => {
+                let message = format!("`file` takes the path as a text, found {}", other.kind());
+                self.refuse(Diagnostic::error("E31", span, message).help("for example `file(\"yard.csv\")`"))
+            }
+        }
+    }
+}
+
+fn root(measure: Measure) -> Option<Measure> {
+    match measure {
+        Measure::Undeclared => Some(Measure::Undeclared),
+        Measure::Known(dimension) => {
+            let exact = dimension.checked_sqrt().or_else(|| dimension.without_angle().checked_sqrt());
+            exact.map(Measure::Known)
+        }
+    }
+}
+
+fn plain(measure: Measure) -> Option<Measure> {
+    measure.unify(Measure::PLAIN).map(|_| Measure::PLAIN)
+}

@@ -1,0 +1,159 @@
+//! Times as ticks: what was written in seconds has to fall on the grid of `step`.
+
+use super::meaning::{Measure, Real};
+use super::scope::Scope;
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+use crate::syntax::Expression;
+use fmi2::units::Dimension;
+
+/// The grid of communication points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Grid {
+    /// The communication step in nanoseconds.
+    pub step_ns: u64,
+}
+
+/// Whether a time may be zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Least {
+    /// Zero is a time.
+    Zero,
+    /// A period or duration is longer than nothing.
+    OneTick,
+}
+
+/// The dimension of time.
+pub(super) const SECOND: Dimension = Dimension([0, 0, 1, 0, 0, 0, 0, 0]);
+
+/// A time as written.
+#[derive(Clone, Debug)]
+struct Written {
+    ns: u64,
+    /// Name and nanoseconds of the unit it was written in.
+    unit: Option<(String, f64)>,
+}
+
+impl Written {
+    fn show(&self, ns: u64) -> String {
+        #[expect(clippy::cast_precision_loss, reason = "a number for people")]
+        match &self.unit {
+            Some((name, unit_ns)) => format!("{} {name}", ns as f64 / unit_ns),
+            None => duration(ns),
+        }
+    }
+}
+
+/// A duration for people: `5 ms`, `1.5 s`.
+#[expect(clippy::cast_precision_loss, reason = "a number for people")]
+pub(super) fn duration(ns: u64) -> String {
+    let (name, unit) = match ns {
+        1_000_000_000.. | 0 => ("s", 1e9),
+        1_000_000.. => ("ms", 1e6),
+        1_000.. => ("us", 1e3),
+        _ => ("ns", 1.0),
+    };
+    format!("{} {name}", ns as f64 / unit)
+}
+
+impl Scope<'_> {
+    /// The grid; `None` if the script does not say a usable `step`.
+    pub fn grid(&self) -> Option<Grid> {
+        *self.grid.get_or_init(|| {
+            let step = self.script.step?;
+            let written = self.nanoseconds(step, Least::OneTick)?;
+            Some(Grid { step_ns: written.ns })
+        })
+    }
+
+    /// The tick at which the run ends.
+    pub fn stop_tick(&self) -> Option<u64> {
+        self.ticks(self.script.stop?, Least::OneTick)
+    }
+
+    /// The period of each instance in ticks; `None` if one of them is not usable.
+    pub fn periods(&self) -> Option<Vec<u64>> {
+        let period = |every: Option<_>| every.map_or(Some(1), |every| self.ticks(every, Least::OneTick));
+        let periods: Vec<_> = self.script.instances.iter().map(|instance| period(instance.every)).collect();
+        periods.into_iter().collect()
+    }
+
+    /// A time in ticks.
+    pub fn ticks(&self, time: &Expression, least: Least) -> Option<u64> {
+        let written = self.nanoseconds(time, least)?;
+        self.on_grid(&written, least, time.span)
+    }
+
+    fn on_grid(&self, time: &Written, least: Least, span: Span) -> Option<u64> {
+        let step_ns = self.grid()?.step_ns;
+        if time.ns % step_ns == 0 {
+            return Some(time.ns / step_ns);
+        }
+        let below = time.ns / step_ns * step_ns;
+        let finer = gcd(time.ns, step_ns);
+        let mut neighbours = vec![time.show(below + step_ns), format!("`step {}`", duration(finer))];
+        if below > 0 || least == Least::Zero {
+            neighbours.insert(0, time.show(below));
+        }
+        let [first @ .., last] = neighbours.as_slice() else { unreachable!("there are two proposals at least") };
+        let message = format!("{} does not fall on the {} grid", time.show(time.ns), duration(step_ns));
+        let error = Diagnostic::error("E08", span, message).help(format!("{}, or {last}", first.join(", ")));
+        self.refuse(match self.script.step {
+            Some(step) => error.label(step.span, "the grid"),
+            None => error,
+        })
+    }
+
+    fn nanoseconds(&self, time: &Expression, least: Least) -> Option<Written> {
+        let meaning = self.evaluate(time)?;
+        let real = self.real(&meaning, time.span)?;
+        self.real_nanoseconds(&real, least, time.span)
+    }
+
+    fn real_nanoseconds(&self, time: &Real, least: Least, span: Span) -> Option<Written> {
+        if time.measure != Measure::Known(SECOND) {
+            let what = format!("expected a time, found {}", self.described(time));
+            let help =
+                if time.measure == Measure::PLAIN { format!("write `{} s`", self.text(span)) } else { String::new() };
+            let error = Diagnostic::error("E02", span, what);
+            return self.refuse(if help.is_empty() { error } else { error.help(help) });
+        }
+        let Some(seconds) = time.constant() else {
+            return self.refuse(self.must_be_known(span));
+        };
+        let ns = seconds * 1e9;
+        let nearest = ns.round();
+        let unit = time.unit.as_ref().map(|unit| (unit.unit.name.clone(), unit.unit.factor * 1e9));
+        let text = self.text(span);
+        let out_of_range =
+            |message: String, help: &str| self.refuse(Diagnostic::error("E38", span, message).help(help));
+        if !(0.0..9e18).contains(&nearest) {
+            return out_of_range(
+                format!("`{text}` is not a time of a run"),
+                "a time counts from the start and is at most 285 years",
+            );
+        }
+        if least == Least::OneTick && nearest == 0.0 {
+            return out_of_range(format!("`{text}` is no time at all"), "this time has to be longer than zero");
+        }
+        if (ns - nearest).abs() > 1e-3 + ns * 1e-15 {
+            let message = format!("`{text}` is not a whole number of nanoseconds");
+            let near = format!("times are counted in nanoseconds, the nearest is `{nearest} ns`");
+            return self.refuse(Diagnostic::error("E08", span, message).help(near));
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole and within the range above")]
+        Some(Written { ns: nearest as u64, unit })
+    }
+}
+
+fn gcd(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+#[test]
+fn a_duration_is_told_in_the_unit_that_keeps_it_short() {
+    assert_eq!(duration(5_000_000), "5 ms");
+    assert_eq!(duration(12_340_000_000), "12.34 s");
+    assert_eq!(duration(250_000), "250 us");
+    assert_eq!(duration(7), "7 ns");
+}

@@ -1,0 +1,257 @@
+//! What an expression can mean.
+
+use fmi2::units::{BaseUnit, Dimension};
+
+use crate::scenario::{BooleanExpression, Limit, Margin, MarginUnit, Port, RealExpression, TickWindow};
+use crate::source::Span;
+use crate::syntax::TemporalWord;
+
+/// The meaning of an expression. Parts without meaning were reported and are `None` where a meaning is expected.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Meaning {
+    /// A real number, in SI.
+    Real(Real),
+    /// An Integer variable.
+    Integer(Port),
+    /// An Enumeration variable.
+    Item(Port),
+    /// A Boolean variable, comparison or claim.
+    Condition(Condition),
+    /// A text.
+    Text(Text),
+    /// A list literal, picked members, or a computed vector.
+    List(Vec<Meaning>),
+    /// A group as a unit names it.
+    Group(Group),
+}
+
+/// A real number, in SI.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Real {
+    /// How it is computed.
+    pub expression: RealExpression,
+    /// What it measures.
+    pub measure: Measure,
+    /// The unit of measure that a user expects to see it in.
+    pub unit: Option<UnitName>,
+    /// Where it comes from.
+    pub origin: Origin,
+}
+
+/// What a real number measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Measure {
+    /// Exponents of the base units.
+    Known(Dimension),
+    /// A variable without unit: fits everything, and is not a plain number.
+    Undeclared,
+}
+
+/// A unit of measure for people; a difference, so without offset.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct UnitName {
+    /// Its name and the SI value of one.
+    pub unit: MarginUnit,
+    /// Whether the script wrote it, which counts before what a unit declares.
+    pub written: bool,
+}
+
+/// Where a real number comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Origin {
+    /// A number and its unit, as written.
+    Literal {
+        /// The number.
+        number: f64,
+        /// The unit.
+        base: BaseUnit,
+        /// Whether a unit was written.
+        has_unit: bool,
+    },
+    /// The value of a variable.
+    Port(Port),
+    /// A computation.
+    Computed,
+}
+
+/// A text.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Text {
+    /// Written in the script.
+    Literal(String),
+    /// `file("x")`
+    File(String),
+    /// A String variable.
+    Port(Port),
+}
+
+/// Variables of one instance with a common beginning of their names.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Group {
+    /// The instance.
+    pub instance: usize,
+    /// The common beginning.
+    pub prefix: String,
+    /// What follows the beginning, with the variable's index, in the description's order.
+    pub members: Vec<(String, usize)>,
+}
+
+/// A condition or claim before negations are moved inward.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Condition {
+    /// Without a margin.
+    Plain(BooleanExpression),
+    /// A comparison of reals.
+    Bound(Bound),
+    /// `not a`
+    Not(Box<Condition>),
+    /// `a and b`
+    And(Vec<Condition>),
+    /// `a or b`
+    Or(Vec<Condition>),
+    /// `always`, `eventually`, `hold for`.
+    Temporal(Temporal),
+}
+
+/// A comparison of reals with what a report tells about it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Bound {
+    /// The distance from the limit.
+    pub margin: Margin,
+    /// What the margin measures.
+    pub measure: Measure,
+    /// The unit to tell it in.
+    pub unit: MarginUnit,
+    /// The limit, if one side is constant.
+    pub limit: Option<Limit>,
+    /// Where it stands.
+    pub span: Span,
+    /// The same comparison between plain numbers, as advice.
+    pub scaled: Option<String>,
+}
+
+/// A temporal word with its window.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Temporal {
+    /// Which word.
+    pub word: TemporalWord,
+    /// Where it stands.
+    pub span: Span,
+    /// Its window.
+    pub window: TickWindow,
+    /// What it speaks about.
+    pub body: Box<Condition>,
+}
+
+impl Measure {
+    /// The measure of a plain number.
+    pub const PLAIN: Self = Self::Known(Dimension::NONE);
+
+    /// What both measure, with `rad` counting as 1; `None` if they differ.
+    pub fn unify(self, other: Self) -> Option<Self> {
+        match (self, other) {
+            (Self::Undeclared, known) | (known, Self::Undeclared) => Some(known),
+            (Self::Known(left), Self::Known(right)) if left.without_angle() == right.without_angle() => {
+                Some(if left.0[7] == 0 { other } else { self })
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Real {
+    /// A computed value.
+    pub fn computed(expression: RealExpression, measure: Measure, unit: Option<UnitName>) -> Self {
+        Self { expression, measure, unit, origin: Origin::Computed }
+    }
+
+    /// A plain number as written.
+    pub fn plain(number: f64) -> Self {
+        let origin = Origin::Literal { number, base: BaseUnit::default(), has_unit: false };
+        Self { expression: RealExpression::Constant(number), measure: Measure::PLAIN, unit: None, origin }
+    }
+
+    /// The value, if it is known before the run.
+    pub fn constant(&self) -> Option<f64> {
+        match self.expression {
+            RealExpression::Constant(value) => Some(value),
+            _ => None,
+        }
+    }
+
+    /// Whether the script wrote a number with a unit.
+    pub fn is_quantity(&self) -> bool {
+        matches!(self.origin, Origin::Literal { has_unit: true, .. })
+    }
+}
+
+impl Condition {
+    /// The condition as one that a run evaluates at a point in time.
+    ///
+    /// # Errors
+    /// The place of a temporal word.
+    pub fn boolean(&self) -> Result<BooleanExpression, Span> {
+        let all = |parts: &[Self]| parts.iter().map(Self::boolean).collect::<Result<Vec<_>, _>>();
+        Ok(match self {
+            Self::Plain(condition) => condition.clone(),
+            Self::Bound(bound) => match bound.margin.value {
+                RealExpression::Constant(margin) => {
+                    BooleanExpression::Constant(if bound.margin.strict { margin > 0.0 } else { margin >= 0.0 })
+                }
+                _ => BooleanExpression::Margin(bound.margin.clone()),
+            },
+            Self::Not(inner) => match inner.boolean()? {
+                BooleanExpression::Constant(value) => BooleanExpression::Constant(!value),
+                inner => BooleanExpression::Not(Box::new(inner)),
+            },
+            Self::And(parts) => joined(all(parts)?, false, BooleanExpression::And),
+            Self::Or(parts) => joined(all(parts)?, true, BooleanExpression::Or),
+            Self::Temporal(temporal) => return Err(temporal.span),
+        })
+    }
+}
+
+/// `and` or `or`; one part that decides alone leaves nothing to compute, a part that never does is dropped.
+fn joined(
+    mut parts: Vec<BooleanExpression>,
+    decides: bool,
+    join: fn(Vec<BooleanExpression>) -> BooleanExpression,
+) -> BooleanExpression {
+    if parts.contains(&BooleanExpression::Constant(decides)) {
+        return BooleanExpression::Constant(decides);
+    }
+    parts.retain(|part| *part != BooleanExpression::Constant(!decides));
+    if parts.is_empty() { BooleanExpression::Constant(!decides) } else { join(parts) }
+}
+
+impl Meaning {
+    /// A condition without a margin.
+    pub fn plain(condition: BooleanExpression) -> Self {
+        Self::Condition(Condition::Plain(condition))
+    }
+
+    /// Whether the value is known before the run.
+    pub fn is_constant(&self) -> bool {
+        match self {
+            Self::Real(real) => real.constant().is_some(),
+            Self::Integer(_) | Self::Item(_) | Self::Group(_) | Self::Text(Text::Port(_)) => false,
+            Self::Condition(condition) => matches!(condition.boolean(), Ok(BooleanExpression::Constant(_))),
+            Self::Text(Text::Literal(_) | Text::File(_)) => true,
+            Self::List(elements) => elements.iter().all(Self::is_constant),
+        }
+    }
+
+    /// What kind of thing it is, with an article.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Real(_) => "a number",
+            Self::Integer(_) => "an Integer",
+            Self::Item(_) => "an Enumeration",
+            Self::Condition(_) => "a Boolean",
+            Self::Text(Text::File(_)) => "a file",
+            Self::Text(_) => "a text",
+            Self::List(_) => "a list",
+            Self::Group(_) => "a group",
+        }
+    }
+}

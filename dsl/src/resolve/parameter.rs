@@ -1,0 +1,146 @@
+//! The script's parameters and what the command line makes of them.
+
+use super::meaning::{Meaning, Origin, Real, Text};
+use super::measure::si_name;
+use super::scope::Scope;
+use super::script::Declaration;
+use crate::diagnostic::Diagnostic;
+use crate::scenario::{BooleanExpression, Parameter};
+use crate::syntax::{Binding, Expression};
+
+use super::meaning::{Condition, Measure};
+use crate::nearest::nearest;
+
+impl<'a> Scope<'a> {
+    /// The value of a parameter as written: that of the command line, else its own.
+    pub fn assigned(&self, parameter: &'a Binding) -> &'a Expression {
+        self.setting(&parameter.name.text).map_or(&parameter.value, |setting| &setting.value)
+    }
+
+    fn setting(&self, name: &str) -> Option<&'a Binding> {
+        self.request.settings.iter().rev().find(|setting| setting.name.text == name)
+    }
+
+    /// The value of `seed` in a script that does not declare it.
+    pub fn implicit_seed(&self) -> Option<Meaning> {
+        match self.setting("seed") {
+            Some(setting) => self.evaluate(&setting.value),
+            None => Some(Meaning::Real(Real::plain(1.0))),
+        }
+    }
+
+    /// All parameters with their values, checked against what the command line says.
+    pub fn parameters(&self) -> Vec<Parameter> {
+        self.check_settings();
+        let mut parameters: Vec<_> =
+            self.script.parameters.iter().filter_map(|parameter| self.parameter(parameter)).collect();
+        if !self.script.names.contains_key("seed") {
+            let set = self.setting("seed");
+            let value = match (set, self.implicit_seed()) {
+                (Some(setting), Some(value)) => {
+                    self.check_kind(setting, &value, &Meaning::Real(Real::plain(1.0)));
+                    typed_again(&value)
+                }
+                _ => Some("1".to_owned()),
+            };
+            parameters.extend(value.map(|value| Parameter { name: "seed".to_owned(), value, set: set.is_some() }));
+        }
+        parameters
+    }
+
+    fn parameter(&self, parameter: &'a Binding) -> Option<Parameter> {
+        let setting = self.setting(&parameter.name.text);
+        let value = self.binding(parameter, self.assigned(parameter));
+        if let Some(setting) = setting {
+            let declared = self.evaluate(&parameter.value);
+            if let (Some(value), Some(declared)) = (&value, declared) {
+                self.check_kind(setting, value, &declared);
+            }
+        }
+        let (value, place) = (value?, self.assigned(parameter).span);
+        match typed_again(&value) {
+            Some(text) => Some(Parameter { name: parameter.name.text.clone(), value: text, set: setting.is_some() }),
+            None => self.refuse(self.must_be_known(place)),
+        }
+    }
+
+    fn check_settings(&self) {
+        for setting in self.request.settings {
+            let name = setting.name.text.as_str();
+            if name == "seed" || matches!(self.script.names.get(name), Some(Declaration::Parameter(_))) {
+                continue;
+            }
+            let error = Diagnostic::error("E01", setting.name.span, format!("the script has no parameter `{name}`"));
+            let names = || self.script.parameters.iter().map(|parameter| parameter.name.text.as_str()).chain(["seed"]);
+            let help = match nearest(name, names()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("its parameters are {}", names().collect::<Vec<_>>().join(", ")),
+            };
+            self.report(error.help(help));
+        }
+    }
+
+    fn check_kind(&self, setting: &Binding, value: &Meaning, declared: &Meaning) {
+        if alike(value, declared) {
+            return;
+        }
+        let (name, told) = (&setting.name.text, |meaning: &Meaning| match meaning {
+            Meaning::Real(value) => self.described(value),
+            Meaning::List(elements) => format!("a list of {}", elements.len()),
+            other => other.kind().to_owned(),
+        });
+        let message = format!("`{name}` cannot be set to this: it is {}", told(declared));
+        let error = Diagnostic::error("E37", setting.value.span, message).saying(told(value));
+        let example = typed_again(declared).unwrap_or_default();
+        self.report(error.help(format!("write a value of the same kind, for example `{name} = {example}`")));
+    }
+}
+
+/// Whether a value may stand for another: same type, dimension and length.
+fn alike(value: &Meaning, declared: &Meaning) -> bool {
+    match (value, declared) {
+        (Meaning::Real(value), Meaning::Real(declared)) => value.measure == declared.measure,
+        (Meaning::List(values), Meaning::List(declared)) => {
+            values.len() == declared.len()
+                && values.iter().zip(declared).all(|(value, declared)| alike(value, declared))
+        }
+        (Meaning::Text(Text::File(_)), Meaning::Text(Text::File(_)))
+        | (Meaning::Text(Text::Literal(_)), Meaning::Text(Text::Literal(_)))
+        | (Meaning::Condition(_), Meaning::Condition(_)) => true,
+        _ => false,
+    }
+}
+
+/// A value as it can be typed; `None` if it is not known before the run.
+fn typed_again(value: &Meaning) -> Option<String> {
+    match value {
+        Meaning::Real(value) => number(value),
+        Meaning::Condition(Condition::Plain(BooleanExpression::Constant(value))) => Some(value.to_string()),
+        Meaning::Condition(condition) => match condition.boolean() {
+            Ok(BooleanExpression::Constant(value)) => Some(value.to_string()),
+            _ => None,
+        },
+        Meaning::Text(Text::Literal(text)) => Some(format!("\"{text}\"")),
+        Meaning::Text(Text::File(path)) => Some(format!("file(\"{path}\")")),
+        Meaning::List(elements) => {
+            let elements: Option<Vec<_>> = elements.iter().map(typed_again).collect();
+            Some(format!("[{}]", elements?.join(", ")))
+        }
+        Meaning::Integer(_) | Meaning::Item(_) | Meaning::Text(Text::Port(_)) | Meaning::Group(_) => None,
+    }
+}
+
+fn number(value: &Real) -> Option<String> {
+    let si = value.constant()?;
+    let (number, unit) = match (value.origin, &value.unit, value.measure) {
+        (Origin::Literal { number, base, .. }, Some(unit), _) if base.offset == 0.0 => (number, unit.unit.name.clone()),
+        (_, _, Measure::Known(dimension)) => (si, si_name(dimension)),
+        (_, _, Measure::Undeclared) => (si, String::new()),
+    };
+    let is_name = unit.chars().all(|letter| letter.is_alphanumeric() || "*/^-%°²³".contains(letter));
+    Some(match unit.as_str() {
+        "" => number.to_string(),
+        unit if is_name && unit != "in" => format!("{number} {unit}"),
+        unit => format!("{number} '{unit}'"),
+    })
+}

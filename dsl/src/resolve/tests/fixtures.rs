@@ -1,0 +1,195 @@
+//! Units for the tests, in one line for each variable, and the way from a script to what a user sees.
+
+use std::fmt::Write;
+use std::sync::Arc;
+
+use fmi2::description::ModelDescription;
+use fmi2::description::read::read;
+
+use crate::diagnostic::render;
+use crate::parse::{parse, parse_assignment};
+use crate::resolve::{Request, Resolved, UnitProblem, Units, resolve, units};
+use crate::scenario::Scenario;
+use crate::source::Sources;
+
+const QUADCOPTER: &str = "
+    input continuous Real wind.x m/s start=0
+    input continuous Real wind.y m/s start=0
+    input continuous Real wind.z m/s start=0
+    input continuous Real rotor_speed[1] rad/s start=0
+    input continuous Real rotor_speed[2] rad/s start=0
+    input continuous Real moment N*m start=0
+    parameter fixed Real mass kg start=1.6
+    parameter fixed Real position0.x m start=0
+    parameter fixed Real position0.y m start=0
+    parameter fixed Real position0.z m start=0
+    parameter tunable Real drag 1 start=0.1
+    parameter tunable Real trim rad start=0
+    output continuous Real state.position.x m initial=exact start=0
+    output continuous Real state.position.y m initial=exact start=0
+    output continuous Real state.position.z m initial=exact start=0
+    output continuous Real state.attitude.w 1 initial=exact start=1
+    output continuous Real roll deg initial=exact start=0
+    output continuous Real height ft initial=exact start=0
+    output discrete Boolean landed - initial=exact start=true";
+
+const CONTROLLER: &str = "
+    input continuous Real state.position.x m start=0
+    input continuous Real state.position.y m start=0
+    input continuous Real state.position.z m start=0
+    input continuous Real setpoint.x m start=0
+    input continuous Real setpoint.y m start=0
+    input discrete Integer count - start=0
+    input discrete Boolean armed - start=false
+    input discrete Enumeration mode Mode start=1
+    input discrete String note - start=none
+    input continuous Real raw - start=0
+    input continuous Real unset m
+    parameter fixed Real tilt_max rad start=0.4
+    parameter fixed Real heading0 - start=0
+    parameter fixed Integer levels - start=3
+    parameter fixed Enumeration method Mode start=1
+    parameter fixed String map - start=none
+    parameter fixed Integer seed - start=1
+    parameter fixed Integer stream - start=0
+    output continuous Real rotor_speed[1] rad/s deps=state.position.z,setpoint.x
+    output continuous Real rotor_speed[2] rad/s deps=state.position.z,setpoint.x
+    output continuous Real thrust N deps=state.position.z
+    output continuous Real bare - deps=
+    output continuous Real temperature degC deps=
+    output discrete Integer events - initial=exact start=0
+    output discrete Enumeration now Mode initial=exact start=1
+    output discrete String said - initial=exact start=none
+    local continuous Real error m deps=";
+
+const WIND: &str = "
+    parameter fixed Real mean.x m/s start=0
+    parameter fixed Real mean.y m/s start=0
+    parameter fixed Real mean.z m/s start=0
+    parameter fixed Integer seed - start=1
+    parameter fixed Integer stream - start=0
+    output continuous Real velocity.x m/s initial=exact start=0
+    output continuous Real velocity.y m/s initial=exact start=0
+    output continuous Real velocity.z m/s initial=exact start=0";
+
+const UNITS: &str = r#"<UnitDefinitions>
+    <Unit name="m"><BaseUnit m="1"/></Unit> <Unit name="1"><BaseUnit/></Unit>
+    <Unit name="m/s"><BaseUnit m="1" s="-1"/></Unit> <Unit name="kg"><BaseUnit kg="1"/></Unit>
+    <Unit name="rad"><BaseUnit rad="1"/></Unit> <Unit name="rad/s"><BaseUnit rad="1" s="-1"/></Unit>
+    <Unit name="deg"><BaseUnit rad="1" factor="0.017453292519943295"/></Unit>
+    <Unit name="N"><BaseUnit kg="1" m="1" s="-2"/></Unit> <Unit name="N*m"><BaseUnit kg="1" m="2" s="-2"/></Unit>
+    <Unit name="ft"><BaseUnit m="1" factor="0.3048"/></Unit>
+    <Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>
+    <Unit name="slug"><BaseUnit kg="1" factor="14.593903"/></Unit>
+    <Unit name="lm"><BaseUnit m="1" factor="9.461e15"/></Unit>
+  </UnitDefinitions>
+  <TypeDefinitions><SimpleType name="Mode"><Enumeration>
+    <Item name="idle" value="1"/><Item name="hover" value="2"/><Item name="land" value="5"/>
+  </Enumeration></SimpleType></TypeDefinitions>"#;
+
+/// A description out of one line for each variable: causality, variability, type, name, unit or type name, and
+/// `start=`, `initial=`, `deps=` (names; an output without is free of inputs).
+pub(super) fn description(name: &str, lines: &str) -> ModelDescription {
+    let lines: Vec<Vec<&str>> = lines
+        .lines()
+        .map(|line| line.split_whitespace().collect())
+        .filter(|words: &Vec<_>| !words.is_empty())
+        .collect();
+    let (mut variables, mut outputs, mut unknowns) = (String::new(), String::new(), String::new());
+    for (index, words) in lines.iter().enumerate() {
+        let [causality, variability, kind, variable, unit, rest @ ..] = words.as_slice() else { panic!("{words:?}") };
+        let value = |key: &str| rest.iter().find_map(|word| word.strip_prefix(key));
+        let initial = value("initial=").map(|initial| format!(" initial='{initial}'")).unwrap_or_default();
+        let start = value("start=").map(|start| format!(" start='{start}'")).unwrap_or_default();
+        let declared = match (*kind, *unit) {
+            (_, "-") => String::new(),
+            ("Enumeration", name) => format!(" declaredType='{name}'"),
+            (_, unit) => format!(" unit='{unit}'"),
+        };
+        write!(variables, "<ScalarVariable name='{variable}' valueReference='{index}' causality='{causality}' variability='{variability}'{initial}><{kind}{declared}{start}/></ScalarVariable>").unwrap();
+        let position = |name: &str| 1 + lines.iter().position(|words| words[3] == name).expect("a declared variable");
+        let places = value("deps=").unwrap_or_default().split(',').filter(|name| !name.is_empty()).map(position);
+        let places = places.map(|place| place.to_string()).collect::<Vec<_>>().join(" ");
+        let unknown = format!("<Unknown index='{}' dependencies='{places}'/>", index + 1);
+        outputs += if *causality == "output" { &unknown } else { "" };
+        unknowns += if value("deps=").is_some() { &unknown } else { "" };
+    }
+    let xml = format!(
+        "<?xml version='1.0' encoding='UTF-8'?><fmiModelDescription fmiVersion='2.0' modelName='{name}' guid='{name}'>
+         <CoSimulation modelIdentifier='{name}'/>{UNITS}<ModelVariables>{variables}</ModelVariables>
+         <ModelStructure><Outputs>{outputs}</Outputs><InitialUnknowns>{unknowns}</InitialUnknowns></ModelStructure>
+         </fmiModelDescription>"
+    );
+    read(xml.as_bytes()).map_or_else(|finding| panic!("{name}: {finding:?}"), |(description, _)| description)
+}
+
+fn unit(name: &str) -> Result<Arc<ModelDescription>, UnitProblem> {
+    let lines = match name {
+        "quadcopter" => QUADCOPTER,
+        "quadcopter_controller" => CONTROLLER,
+        "wind" => WIND,
+        _ => {
+            let help = Some("units of this workspace: quadcopter, wind".to_owned());
+            return Err(UnitProblem { message: format!("there is no unit `{name}`"), help });
+        }
+    };
+    Ok(Arc::new(description(name, lines)))
+}
+
+/// A script with what it meant.
+pub(super) struct Outcome {
+    sources: Sources,
+    /// What came of it.
+    pub resolved: Resolved,
+}
+
+/// Resolves a script with settings of the command line.
+pub(super) fn run_with(script: &str, settings: &[&str]) -> Outcome {
+    let mut sources = Sources::default();
+    let text = sources.add("test.scn", script);
+    let settings: Vec<_> = settings.iter().map(|setting| sources.add("--set", *setting)).collect();
+    let parsed = parse(&sources, text);
+    assert!(parsed.diagnostics.is_empty(), "{}", render(&sources, &parsed.diagnostics, false));
+    let settings: Vec<_> = settings
+        .into_iter()
+        .map(|setting| parse_assignment(&sources, setting).expect("a setting that parses"))
+        .collect();
+    let found: Units = units(&parsed.file).into_iter().map(|word| (word.text.clone(), unit(&word.text))).collect();
+    let resolved = resolve(&Request { sources: &sources, file: &parsed.file, units: &found, settings: &settings });
+    Outcome { sources, resolved }
+}
+
+/// What a user sees of a script's errors and warnings.
+pub(super) fn shown(script: &str) -> String {
+    shown_with(script, &[])
+}
+
+/// The same, with settings of the command line.
+pub(super) fn shown_with(script: &str, settings: &[&str]) -> String {
+    let outcome = run_with(script, settings);
+    render(&outcome.sources, &outcome.resolved.diagnostics, false)
+}
+
+/// The lines every script has, three units, and then `lines`.
+pub(super) fn flight(lines: &str) -> String {
+    let head = "scenario \"Test\"\nstep 10 ms\nstop 60 s\n";
+    let units =
+        "fmu wind = \"wind\"\nfmu quad = \"quadcopter\"\nfmu ctrl = \"quadcopter_controller\" { unset = 0 m }\n";
+    format!("{head}{units}{lines}\n")
+}
+
+/// The scenario of a script without errors or warnings.
+pub(super) fn scenario(script: &str) -> Scenario {
+    scenario_with(script, &[])
+}
+
+/// The same, with settings of the command line.
+pub(super) fn scenario_with(script: &str, settings: &[&str]) -> Scenario {
+    let outcome = run_with(script, settings);
+    assert!(
+        outcome.resolved.diagnostics.is_empty(),
+        "{}",
+        render(&outcome.sources, &outcome.resolved.diagnostics, false)
+    );
+    outcome.resolved.scenario.expect("a script without errors has a meaning")
+}

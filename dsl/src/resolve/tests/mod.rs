@@ -1,0 +1,11 @@
+//! Tests of the resolver: what scripts mean, and every error as a user sees it.
+
+mod claims;
+mod connections;
+mod fixtures;
+mod initial;
+mod meaning;
+mod names;
+mod times;
+mod types;
+mod whole;

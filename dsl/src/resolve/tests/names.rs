@@ -1,0 +1,319 @@
+//! Errors about names, declarations and statements.
+
+use super::fixtures::{flight, shown, shown_with};
+
+#[test]
+fn a_slip_in_a_variable_names_the_nearest_one() {
+    insta::assert_snapshot!(shown(&flight("let a = quad.state.positon.x")), @r#"
+    error[E01]: `quad.state` has no variable `positon`
+     --> test.scn:7:20
+      |
+    7 | let a = quad.state.positon.x
+      |                    ^^^^^^^
+      |
+      = help: did you mean `position`? All 19: lockstep describe quadcopter
+    "#);
+}
+
+#[test]
+fn a_slip_in_an_instance_names_the_nearest_one() {
+    insta::assert_snapshot!(shown(&flight("wind.velocity -> qaud.wind")), @r#"
+    error[E01]: `qaud` is not declared in this script
+     --> test.scn:7:18
+      |
+    7 | wind.velocity -> qaud.wind
+      |                  ^^^^
+      |
+      = help: did you mean `quad`?
+    "#);
+}
+
+#[test]
+fn an_element_past_the_end_of_an_array_names_the_range() {
+    insta::assert_snapshot!(shown(&flight("3 rad/s -> quad.rotor_speed[3]")), @r#"
+    error[E01]: `quad.rotor_speed` has no element `[3]`
+     --> test.scn:7:28
+      |
+    7 | 3 rad/s -> quad.rotor_speed[3]
+      |                            ^^^
+      |
+      = help: its elements go from `[1]` to `[2]`
+    "#);
+}
+
+#[test]
+fn a_slip_in_a_function_names_the_nearest_one() {
+    insta::assert_snapshot!(shown(&flight("assert a: always nrom(quad.state.position) < 3 m")), @r#"
+    error[E01]: there is no function `nrom`
+     --> test.scn:7:18
+      |
+    7 | assert a: always nrom(quad.state.position) < 3 m
+      |                  ^^^^
+      |
+      = help: did you mean `norm`?
+    "#);
+}
+
+#[test]
+fn a_whole_unit_is_no_value() {
+    insta::assert_snapshot!(shown(&flight("quad -> ctrl.state")), @r#"
+    error[E01]: `quad` is a whole unit, and one of its ports is meant here
+     --> test.scn:7:1
+      |
+    7 | quad -> ctrl.state
+      | ^^^^
+      |
+      = help: for example `quad.wind.x`
+    "#);
+}
+
+#[test]
+fn a_name_is_declared_once() {
+    insta::assert_snapshot!(shown(&flight("param quad = 3")), @r#"
+    error[E24]: `quad` is declared twice
+     --> test.scn:7:7
+      |
+    5 | fmu quad = "quadcopter"
+      |     ---- declared here first
+    6 | fmu ctrl = "quadcopter_controller" { unset = 0 m }
+    7 | param quad = 3
+      |       ^^^^
+      |
+      = help: rename one of them
+    "#);
+}
+
+#[test]
+fn a_let_may_not_be_called_seed() {
+    insta::assert_snapshot!(shown(&flight("let seed = 3")), @r#"
+    error[E24]: `seed` has a meaning already
+     --> test.scn:7:5
+      |
+    7 | let seed = 3
+      |     ^^^^ the parameter of all random numbers
+      |
+      = help: write `param seed = …`
+    "#);
+}
+
+#[test]
+fn names_that_define_each_other_are_told_in_a_circle() {
+    insta::assert_snapshot!(shown(&flight("let a = b + 1\nlet b = a + 1\nassert c: always a < 3")), @r#"
+    error[E28]: these names define each other: a from b from a
+     --> test.scn:7:5
+      |
+    7 | let a = b + 1
+      |     ^
+    8 | let b = a + 1
+      |     -
+      |
+      = help: give one of them a value of its own
+    "#);
+}
+
+#[test]
+fn a_unit_that_was_not_found_is_told_once_and_silences_its_ports() {
+    insta::assert_snapshot!(shown(&flight("fmu eye = \"eagle\"\neye.x -> quad.wind\nassert a: always eye.x > 3 m")), @r#"
+    error[E26]: there is no unit `eagle`
+     --> test.scn:7:11
+      |
+    7 | fmu eye = "eagle"
+      |           ^^^^^^^
+      |
+      = help: units of this workspace: quadcopter, wind
+    "#);
+}
+
+#[test]
+fn a_script_without_its_first_lines_says_which_are_missing() {
+    insta::assert_snapshot!(shown("let a = 3\n"), @r#"
+    error[E25]: this file has no `scenario` line
+     --> test.scn:1:1
+      |
+    1 | let a = 3
+      | ^^^^^^^^^
+      |
+      = help: a script begins like `scenario "Quadcopter in wind"`; a file without that line is a part of others
+
+    error[E25]: this script does not say its `step`
+     --> test.scn:1:1
+      |
+    1 | let a = 3
+      | ^^^^^^^^^
+      |
+      = help: write for example `step 10 ms`
+
+    error[E25]: this script does not say when to stop
+     --> test.scn:1:1
+      |
+    1 | let a = 3
+      | ^^^^^^^^^
+      |
+      = help: write for example `stop 60 s`
+    "#);
+}
+
+#[test]
+fn statements_that_stand_once_and_two_periods_are_refused() {
+    insta::assert_snapshot!(shown(&flight("stop 5 s\nfmu air = \"wind\" every 20 ms every 30 ms { stream = 4 }")), @r#"
+    error[E25]: `stop` stands twice
+     --> test.scn:7:6
+      |
+    3 | stop 60 s
+      |      ---- the first
+    ...
+    7 | stop 5 s
+      |      ^^^
+      |
+      = help: a script has one of it
+
+    error[E25]: `air` has two periods
+     --> test.scn:8:36
+      |
+    8 | fmu air = "wind" every 20 ms every 30 ms { stream = 4 }
+      |                        -----       ^^^^^
+      |                        |
+      |                        the first
+      |
+      = help: write one `every`
+    "#);
+}
+
+#[test]
+fn what_a_later_version_brings_is_refused_by_name() {
+    let lines = "use lead = \"uav.scn\"
+for i in 1..2 { let a = 3 }
+when quad.landed { set quad.drag = 0.2 }
+while quad.landed { set quad.drag = 0.2 }
+stop when quad.landed
+at 3 s { fault quad.wind: freeze }
+assert gate: always (quad.landed implies quad.roll < 3 deg)
+assert till: quad.roll < 3 deg until quad.landed
+record quad.* every 20 ms
+sweep { seed in 1..3 }
+curve(\"in.csv\", \"u\") -> quad.wind
+lead.body.state -> ctrl.state";
+    insta::assert_snapshot!(shown(&flight(lines)), @r#"
+    error[E20]: `use` is not known to this version of lockstep yet
+     --> test.scn:7:1
+      |
+    7 | use lead = "uav.scn"
+      | ^^^^^^^^^^^^^^^^^^^^
+      |
+      = help: the line means nothing to a run so far: take it out, or write it without this
+
+    error[E20]: `for` is not known to this version of lockstep yet
+     --> test.scn:8:1
+      |
+    8 | for i in 1..2 { let a = 3 }
+      | ^^^^^^^^^^^^^^^^^^^^^^^^^^^
+      |
+      = help: the line means nothing to a run so far: take it out, or write it without this
+
+    error[E20]: `when` is not known to this version of lockstep yet
+     --> test.scn:9:1
+      |
+    9 | when quad.landed { set quad.drag = 0.2 }
+      | ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+      |
+      = help: the line means nothing to a run so far: take it out, or write it without this
+
+    error[E20]: `while` is not known to this version of lockstep yet
+      --> test.scn:10:1
+       |
+    10 | while quad.landed { set quad.drag = 0.2 }
+       | ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+       |
+       = help: the line means nothing to a run so far: take it out, or write it without this
+
+    error[E20]: `stop when` is not known to this version of lockstep yet
+      --> test.scn:11:1
+       |
+    11 | stop when quad.landed
+       | ^^^^^^^^^^^^^^^^^^^^^
+       |
+       = help: the line means nothing to a run so far: take it out, or write it without this
+
+    error[E20]: `fault` is not known to this version of lockstep yet
+      --> test.scn:12:10
+       |
+    12 | at 3 s { fault quad.wind: freeze }
+       |          ^^^^^^^^^^^^^^^^^^^^^^^
+       |
+       = help: the line means nothing to a run so far: take it out, or write it without this
+
+    error[E20]: `implies` is not known to this version of lockstep yet
+      --> test.scn:13:21
+       |
+    13 | assert gate: always (quad.landed implies quad.roll < 3 deg)
+       |                     ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+       |
+       = help: the line means nothing to a run so far: take it out, or write it without this
+
+    error[E20]: `until` is not known to this version of lockstep yet
+      --> test.scn:14:14
+       |
+    14 | assert till: quad.roll < 3 deg until quad.landed
+       |              ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+       |
+       = help: the line means nothing to a run so far: take it out, or write it without this
+
+    error[E20]: `.*` is not known to this version of lockstep yet
+      --> test.scn:15:13
+       |
+    15 | record quad.* every 20 ms
+       |             ^
+       |
+       = help: the line means nothing to a run so far: take it out, or write it without this
+
+    error[E20]: `record` with `every` is not known to this version of lockstep yet
+      --> test.scn:15:21
+       |
+    15 | record quad.* every 20 ms
+       |                     ^^^^^
+       |
+       = help: the line means nothing to a run so far: take it out, or write it without this
+
+    error[E20]: `sweep` is not known to this version of lockstep yet
+      --> test.scn:16:1
+       |
+    16 | sweep { seed in 1..3 }
+       | ^^^^^^^^^^^^^^^^^^^^^^
+       |
+       = help: the line means nothing to a run so far: take it out, or write it without this
+
+    error[E20]: `curve` is not known to this version of lockstep yet
+      --> test.scn:17:1
+       |
+    17 | curve("in.csv", "u") -> quad.wind
+       | ^^^^^^^^^^^^^^^^^^^^
+       |
+       = help: the line means nothing to a run so far: take it out, or write it without this
+    "#);
+}
+
+#[test]
+fn an_unknown_parameter_of_the_command_line_is_told_in_its_own_text() {
+    insta::assert_snapshot!(shown_with(&flight("param gust = 4 m/s"), &["gsut = 3 m/s"]), @r#"
+    error[E01]: the script has no parameter `gsut`
+     --> --set:1:1
+      |
+    1 | gsut = 3 m/s
+      | ^^^^
+      |
+      = help: did you mean `gust`?
+    "#);
+}
+
+#[test]
+fn a_setting_of_another_dimension_is_refused() {
+    insta::assert_snapshot!(shown_with(&flight("param gust = 4 m/s"), &["gust = 3 m"]), @r#"
+    error[E37]: `gust` cannot be set to this: it is m/s
+     --> --set:1:8
+      |
+    1 | gust = 3 m
+      |        ^^^ m
+      |
+      = help: write a value of the same kind, for example `gust = 4 m/s`
+    "#);
+}

@@ -1,0 +1,99 @@
+//! The order within one step: a unit steps after all whose results come to it over `=>`.
+
+use std::collections::BTreeSet;
+
+use super::scope::Scope;
+use super::wire::Wired;
+use crate::diagnostic::Diagnostic;
+use crate::scenario::Port;
+
+/// That one unit waits for another, and the wire that says so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Edge {
+    from: usize,
+    to: usize,
+    wire: usize,
+}
+
+impl Scope<'_> {
+    /// The wave of each instance; `None` if some wait for each other.
+    pub fn waves(&self, connections: &[Wired]) -> Option<Vec<usize>> {
+        let edges: BTreeSet<Edge> = connections
+            .iter()
+            .filter(|wired| wired.connection.direct)
+            .flat_map(|wired| {
+                let to = wired.connection.target.instance;
+                let ports = wired.connection.source.ports().into_iter();
+                ports.map(move |port| Edge { from: port.instance, to, wire: wired.wire })
+            })
+            .collect();
+        let mut waves: Vec<Option<usize>> = vec![None; self.script.instances.len()];
+        loop {
+            let ready = |at: &usize| {
+                waves[*at].is_none() && edges.iter().all(|edge| edge.to != *at || waves[edge.from].is_some())
+            };
+            let Some(next) = (0..waves.len()).find(ready) else { break };
+            let after = edges.iter().filter(|edge| edge.to == next).filter_map(|edge| waves[edge.from]).max();
+            waves[next] = Some(after.map_or(0, |wave| wave + 1));
+        }
+        if let Some(stuck) = waves.iter().position(Option::is_none) {
+            return self.refuse(self.circle_of_waves(&edges, &waves, stuck));
+        }
+        waves.into_iter().collect()
+    }
+
+    fn circle_of_waves(&self, edges: &BTreeSet<Edge>, waves: &[Option<usize>], stuck: usize) -> Diagnostic {
+        let circle = circle(edges, waves, stuck);
+        let name = |instance: usize| self.script.instances[instance].name.text.as_str();
+        let names: Vec<_> =
+            circle.iter().map(|edge| name(edge.from)).chain(circle.first().map(|edge| name(edge.from))).collect();
+        let message = format!("these connections wait for each other within one step: {}", names.join(" => "));
+        let Some(usual) = circle.iter().find(|edge| self.holds_its_outputs(edge.from)).or(circle.first()) else {
+            unreachable!("a circle has an edge");
+        };
+        let wire = &self.script.wires[usual.wire];
+        let example =
+            self.text(wire.source.span.to(wire.targets.last().map_or(wire.source.span, |target| target.span)));
+        let help = format!(
+            "make one of them `->`, it then brings where the source stood when the step began; usual choice, the plant's output: `{}` (line {})",
+            example.replacen("=>", "->", 1),
+            self.line(wire.source.span)
+        );
+        let mut wires: Vec<_> = circle.iter().map(|edge| edge.wire).collect();
+        wires.sort_unstable();
+        wires.dedup();
+        let mut spans = wires.into_iter().map(|wire| self.script.wires[wire].arrow_span);
+        let first = spans.next().unwrap_or(wire.arrow_span);
+        spans.fold(Diagnostic::error("E06", first, message), |error, span| error.label(span, "")).help(help)
+    }
+
+    /// Whether no output follows an input at once, as with a plant whose outputs are its state.
+    fn holds_its_outputs(&self, instance: usize) -> bool {
+        let outputs = &self.known(instance).structure.outputs;
+        !outputs.is_empty() && outputs.iter().all(|output| output.dependencies.as_ref().is_some_and(Vec::is_empty))
+    }
+}
+
+/// Walks back from an instance that waits until an instance comes again.
+fn circle(edges: &BTreeSet<Edge>, waves: &[Option<usize>], stuck: usize) -> Vec<Edge> {
+    let mut walked: Vec<Edge> = Vec::new();
+    let mut at = stuck;
+    loop {
+        let waits_for = edges.iter().find(|edge| edge.to == at && waves[edge.from].is_none());
+        let Some(edge) = waits_for else { unreachable!("an instance without wave waits for another") };
+        walked.push(*edge);
+        at = edge.from;
+        if let Some(start) = walked.iter().position(|walked| walked.to == at) {
+            let mut circle = walked.split_off(start);
+            circle.reverse();
+            let first = (0..circle.len()).min_by_key(|&edge| circle[edge].from).unwrap_or(0);
+            circle.rotate_left(first);
+            return circle;
+        }
+    }
+}
+
+/// All ports that connections read, in order, each once.
+pub(super) fn sources(connections: &[Wired]) -> BTreeSet<Port> {
+    connections.iter().flat_map(|wired| wired.connection.source.ports()).collect()
+}

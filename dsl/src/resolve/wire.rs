@@ -1,0 +1,166 @@
+//! Connections: one driver for each input element.
+
+use std::collections::BTreeMap;
+
+use fmi2::description::Causality;
+
+use super::assign::Role;
+use super::fit::{Fitted, Meeting};
+use super::meaning::Meaning;
+use super::scope::Scope;
+use super::script::Wire;
+use super::signal::Signal;
+use crate::diagnostic::Diagnostic;
+use crate::scenario::{Connection, Drive, Port};
+use crate::source::Span;
+use crate::syntax::{Arrow, ExpressionKind, Path};
+
+/// A connection with the place that it comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Wired {
+    /// The connection.
+    pub connection: Connection,
+    /// Index of its statement among the wires of the script.
+    pub wire: usize,
+    /// The target as written.
+    pub target: Span,
+}
+
+/// The first driver of an input.
+struct Driver {
+    source: Span,
+    target: Span,
+}
+
+impl Scope<'_> {
+    /// All connections in order of their targets; `periods` are the instances'.
+    pub fn connections(&self, periods: Option<&[u64]>) -> Vec<Wired> {
+        let mut drivers = BTreeMap::new();
+        let mut connections = Vec::new();
+        for (index, wire) in self.script.wires.iter().enumerate() {
+            if let Some(error) = self.backwards(wire) {
+                self.report(error);
+                continue;
+            }
+            let source = self.evaluate(wire.source);
+            for target in wire.targets {
+                let wired = self.wired(index, wire, source.as_ref(), target, &mut drivers);
+                if let (Some(periods), Arrow::Direct) = (periods, wire.arrow) {
+                    self.check_periods(wire, target, &wired, periods);
+                }
+                connections.extend(wired);
+            }
+        }
+        connections.sort_by_key(|wired| wired.connection.target);
+        connections
+    }
+
+    /// That an arrow goes from an input to an output.
+    fn backwards(&self, wire: &Wire<'_>) -> Option<Diagnostic> {
+        let (ExpressionKind::Path(source), [target]) = (&wire.source.kind, wire.targets) else { return None };
+        let (source_ports, target_ports) =
+            self.quietly(|scope| Some((scope.signal(source)?, scope.signal(target)?)))?;
+        let are_all =
+            |signal: &Signal, causality| signal.ports().iter().all(|port| self.variable(*port).causality == causality);
+        if !are_all(&source_ports, Causality::Input) || !are_all(&target_ports, Causality::Output) {
+            return None;
+        }
+        let (input, output) = (self.text(source.span), self.text(target.span));
+        let arrow = self.text(wire.arrow_span);
+        let error = Diagnostic::error("E04", target.span, format!("`{output}` is an output and cannot be a target"));
+        Some(error.label(source.span, "an input").help(format!("turn the arrow: `{output} {arrow} {input}`")))
+    }
+
+    fn wired(
+        &self,
+        index: usize,
+        wire: &Wire<'_>,
+        source: Option<&Meaning>,
+        target: &Path,
+        drivers: &mut BTreeMap<Port, Driver>,
+    ) -> Vec<Wired> {
+        let direct = wire.arrow == Arrow::Direct;
+        let at =
+            Meeting { source: wire.source.span, target: target.span, arrow: Some(if direct { "=>" } else { "->" }) };
+        let signal = self.signal(target).and_then(|signal| self.touchable(Role::Wire, signal, at));
+        let Some(signal) = signal else { return Vec::new() };
+        let ports = signal.ports();
+        if let Some(first) = ports.iter().find_map(|port| drivers.get(port)) {
+            self.report(self.two_drivers(at, first));
+            return Vec::new();
+        }
+        drivers.extend(ports.iter().map(|port| (*port, Driver { source: at.source, target: at.target })));
+        let Some(assigned) = source.and_then(|source| self.assigned_ports(source, &signal, at)) else {
+            return Vec::new();
+        };
+        let mut wired = Vec::new();
+        for (port, fitted) in assigned {
+            let Fitted::Drive(source) = fitted else {
+                let error = Diagnostic::error("E21", at.source, "a file is given to a unit before the run");
+                self.report(
+                    error.help(format!("write it in the braces: `fmu … {{ {} = … }}`", self.variable(port).name)),
+                );
+                return Vec::new();
+            };
+            let connection = Connection { target: port, source, direct };
+            wired.push(Wired { connection, wire: index, target: target.span });
+        }
+        wired
+    }
+
+    fn two_drivers(&self, at: Meeting<'_>, first: &Driver) -> Diagnostic {
+        let (sink, driver, second) = (self.text(at.target), self.text(first.source), self.text(at.source));
+        let message = format!("`{sink}` already gets its value from `{driver}` (line {})", self.line(first.source));
+        let error = Diagnostic::error("E03", at.target, message).label(first.target, "driven here first");
+        let arrow = at.arrow.unwrap_or("->");
+        error.help(format!("an input has one driver; to combine two write `{driver} + {second} {arrow} {sink}`"))
+    }
+
+    fn check_periods(&self, wire: &Wire<'_>, target: &Path, wired: &[Wired], periods: &[u64]) {
+        let Some(first) = wired.first() else { return };
+        let taker = first.connection.target.instance;
+        let mut givers: Vec<_> =
+            wired.iter().flat_map(|wired| wired.connection.source.ports()).map(|port| port.instance).collect();
+        givers.sort_unstable();
+        givers.dedup();
+        let (source, sink) = (self.text(wire.source.span), self.text(target.span));
+        if givers.is_empty() {
+            let error =
+                Diagnostic::error("E07", wire.arrow_span, "`=>` lets a unit step first, and none stands on its left");
+            self.report(error.help(format!("write `{source} -> {sink}`")));
+        }
+        let divides = |giver: usize| periods[giver] % periods[taker] == 0 || periods[taker] % periods[giver] == 0;
+        for giver in givers.into_iter().filter(|&giver| !divides(giver)) {
+            let period = |instance: usize| {
+                let step_ns = self.grid().map_or(0, |grid| grid.step_ns);
+                super::grid::duration(periods[instance].saturating_mul(step_ns))
+            };
+            let name = |instance: usize| &self.script.instances[instance].name.text;
+            let message = format!(
+                "`=>` needs periods of which one divides the other, but `{}` steps every {} and `{}` every {}",
+                name(giver),
+                period(giver),
+                name(taker),
+                period(taker)
+            );
+            let error = Diagnostic::error("E07", wire.arrow_span, message);
+            self.report(error.help(format!("write `{source} -> {sink}`")));
+        }
+    }
+}
+
+impl Drive {
+    /// The ports that are read.
+    pub(super) fn ports(&self) -> Vec<Port> {
+        let mut ports = Vec::new();
+        match self {
+            Self::Copy(port) => ports.push(*port),
+            Self::Real(value) => value.collect_ports(&mut ports),
+            Self::Boolean(condition) => condition.collect_ports(&mut ports),
+            Self::Integer(_) | Self::String(_) => {}
+        }
+        ports.sort_unstable();
+        ports.dedup();
+        ports
+    }
+}
