@@ -81,14 +81,14 @@ impl Catalogue {
             return Err(UnitProblem { message, help: Some(help) });
         }
         crate::report::status(&format!("building unit `{}`", unit.name));
-        pack::pack(unit, &crate::unit::describe_library, &archive)
+        pack::pack(unit, &crate::unit::describe::describe_library, &archive)
             .map_err(|error| UnitProblem { message: error.to_string(), help: None })
     }
 
     fn unknown(&self, name: &str) -> UnitProblem {
         let entries = self.entries();
         let names = entries.iter().map(|entry| entry.name.as_str());
-        let help = match dsl::resolve::nearest(name, names) {
+        let help = match dsl::nearest::nearest(name, names) {
             Some(near) => format!("did you mean `{near}`? All units: lockstep describe"),
             None if entries.is_empty() => {
                 "name a file, \"my_unit.fmu\", or a folder of them, --units DIR; here is no cargo workspace with units"
@@ -104,7 +104,7 @@ fn no_file(name: &str, path: &Path) -> UnitProblem {
     let near = archives_in(path.parent().unwrap_or(Path::new(".")));
     let names: Vec<_> = near.iter().map(|entry| format!("{}.fmu", entry.name)).collect();
     let wanted = Path::new(name).file_name().map(|file| file.to_string_lossy().into_owned()).unwrap_or_default();
-    let help = dsl::resolve::nearest(&wanted, names.iter().map(String::as_str)).map_or_else(
+    let help = dsl::nearest::nearest(&wanted, names.iter().map(String::as_str)).map_or_else(
         || "paths are relative to the script".to_owned(),
         |near| format!("paths are relative to the script; did you mean `{near}`?"),
     );

@@ -123,7 +123,7 @@ impl Trace<'_> {
         for name in signals {
             let members = self.members(name);
             if members.is_empty() {
-                let nearest = dsl::resolve::nearest(name, self.table.names.iter().map(String::as_str));
+                let nearest = dsl::nearest::nearest(name, self.table.names.iter().map(String::as_str));
                 return Err(PlotError::Unknown { name: name.clone(), nearest: nearest.map(str::to_owned) });
             }
             match self.path(name) {
@@ -159,7 +159,7 @@ impl Trace<'_> {
     /// The rows at which a column changes, lettered from A; the first row and the last are A and the last letter.
     fn marks(&self, name: &str) -> Result<Vec<Mark>, PlotError> {
         let Some(values) = self.column(name) else {
-            let nearest = dsl::resolve::nearest(name, self.table.names.iter().map(String::as_str));
+            let nearest = dsl::nearest::nearest(name, self.table.names.iter().map(String::as_str));
             return Err(PlotError::Unknown { name: name.to_owned(), nearest: nearest.map(str::to_owned) });
         };
         let mut indices = vec![0];

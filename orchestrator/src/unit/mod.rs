@@ -6,6 +6,7 @@
 
 pub mod archive;
 pub mod board;
+pub mod describe;
 pub mod error;
 pub mod instance;
 pub mod library;

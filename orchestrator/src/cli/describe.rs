@@ -1,0 +1,167 @@
+//! `lockstep describe`: a unit's variables, and all units that a script could name.
+
+use crate::catalogue::{Catalogue, Origin};
+use crate::report;
+use fmi2::description::{Causality, Kind, ModelDescription, Variable};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Shows the variables of a unit with their units of measure, or all units that would be found.
+#[derive(Debug, clap::Args)]
+pub struct Describe {
+    /// A unit as scripts name it, or an .fmu file
+    unit: Option<String>,
+    /// Where units are looked for before the workspace
+    #[arg(long, value_name = "DIR")]
+    units: Vec<PathBuf>,
+    /// Never build a unit
+    #[arg(long)]
+    no_build: bool,
+}
+
+impl Describe {
+    /// Runs the command and returns its exit code.
+    #[must_use]
+    pub fn run(&self) -> u8 {
+        let text = match &self.unit {
+            Some(unit) => self.one(unit),
+            None => self.all(),
+        };
+        match text {
+            Ok(text) => {
+                report::result(&text);
+                0
+            }
+            Err((message, help)) => {
+                report::error(&message, help.as_deref());
+                2
+            }
+        }
+    }
+
+    fn catalogue(&self) -> Result<(Catalogue, PathBuf), (String, Option<String>)> {
+        let current = std::env::current_dir().map_err(|error| (format!("no current folder: {error}"), None))?;
+        let catalogue = Catalogue::new(self.units.clone(), &current, !self.no_build);
+        Ok((catalogue.map_err(|error| (error.to_string(), None))?, current))
+    }
+
+    fn one(&self, unit: &str) -> Result<String, (String, Option<String>)> {
+        let (catalogue, current) = self.catalogue()?;
+        let archive = catalogue.find(unit, &current).map_err(|problem| (problem.message, problem.help))?;
+        let (description, _) =
+            crate::unit::archive::read_description(&archive).map_err(|error| (error.to_string(), None))?;
+        Ok(page(unit, &description))
+    }
+
+    fn all(&self) -> Result<String, (String, Option<String>)> {
+        let (catalogue, current) = self.catalogue()?;
+        let mut text = String::new();
+        for entry in catalogue.entries() {
+            let packed = match &entry.origin {
+                Origin::Archive(path) => Some(path.clone()),
+                Origin::Crate(unit) => Some(unit.archive()).filter(|archive| archive.is_file()),
+            };
+            let description = packed.and_then(|archive| crate::unit::archive::read_description(&archive).ok());
+            let words = description.and_then(|(description, _)| description.description);
+            let origin = match &entry.origin {
+                Origin::Archive(path) => path.clone(),
+                Origin::Crate(unit) => unit.folder.clone(),
+            };
+            let origin = origin.strip_prefix(&current).unwrap_or(&origin).display().to_string();
+            let _ = writeln!(text, "{:<24}{origin:<28}{}", entry.name, words.unwrap_or_default());
+        }
+        if text.is_empty() {
+            let help = "run it in a workspace with units, or name a folder of .fmu files: --units DIR".to_owned();
+            return Err(("no units here".to_owned(), Some(help)));
+        }
+        Ok(text)
+    }
+}
+
+/// What a unit's user wants to know, and a line to paste.
+fn page(unit: &str, description: &ModelDescription) -> String {
+    let mut text = format!("{}\n", description.model_name);
+    if let Some(words) = &description.description {
+        let _ = writeln!(text, "{words}");
+    }
+    let sections = [
+        ("inputs", Causality::Input),
+        ("outputs", Causality::Output),
+        ("parameters", Causality::Parameter),
+        ("calculated parameters", Causality::CalculatedParameter),
+        ("locals", Causality::Local),
+    ];
+    for (title, causality) in sections {
+        let of_kind: Vec<_> = description.variables.iter().filter(|variable| variable.causality == causality).collect();
+        if of_kind.is_empty() {
+            continue;
+        }
+        let _ = writeln!(text, "\n{title}");
+        let width = of_kind.iter().map(|variable| variable.name.chars().count()).max().unwrap_or(0);
+        for variable in of_kind {
+            let words = variable.description.as_deref().unwrap_or_default();
+            let (kind, start) = (kind(description, variable), start(description, variable));
+            let line = format!("  {:<width$}  {kind:<10}  {start:<12}  {words}", variable.name);
+            let _ = writeln!(text, "{}", line.trim_end());
+        }
+    }
+    let name = unit.strip_suffix(".fmu").unwrap_or(unit).rsplit('/').next().unwrap_or(unit);
+    let _ = writeln!(text, "\nto paste\n  fmu {} = \"{unit}\"", scenario_name(name));
+    text
+}
+
+/// A name that a script can declare.
+fn scenario_name(name: &str) -> String {
+    let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if plain.starts_with(|c: char| c.is_ascii_digit()) { format!("u{plain}") } else { plain }
+}
+
+/// The unit of a Real, the type of anything else.
+fn kind(description: &ModelDescription, variable: &Variable) -> String {
+    match &variable.kind {
+        Kind::Real(_) => description.unit_of(variable).unwrap_or("Real").to_owned(),
+        Kind::Integer { .. } => "Integer".to_owned(),
+        Kind::Boolean { .. } => "Boolean".to_owned(),
+        Kind::String { .. } => "String".to_owned(),
+        Kind::Enumeration { .. } => variable.declared_type.clone().unwrap_or_else(|| "Enumeration".to_owned()),
+    }
+}
+
+/// The start value, an enumeration's by the name of its item.
+fn start(description: &ModelDescription, variable: &Variable) -> String {
+    let item = |value: &i32| {
+        let found = description.items_of(variable).iter().find(|item| item.value == *value);
+        found.map_or_else(|| value.to_string(), |item| format!("\"{}\"", item.name))
+    };
+    match &variable.kind {
+        Kind::Real(real) => real.start.map(crate::trace::shortest_decimal),
+        Kind::Integer { start, .. } => start.map(|value| value.to_string()),
+        Kind::Boolean { start } => start.map(|value| value.to_string()),
+        Kind::String { start } => start.as_ref().map(|value| format!("\"{value}\"")),
+        Kind::Enumeration { start, .. } => start.as_ref().map(item),
+    }
+    .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_tells_units_starts_and_a_line_to_paste() {
+        let xml = br#"<?xml version="1.0"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Tank" guid="g" description="A tank.">
+  <CoSimulation modelIdentifier="tank"/>
+  <UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit></UnitDefinitions>
+  <ModelVariables>
+    <ScalarVariable name="open" valueReference="0" causality="input" variability="discrete"><Boolean start="true"/></ScalarVariable>
+    <ScalarVariable name="level" valueReference="0" causality="output" description="Height of the water."><Real unit="m"/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure><Outputs><Unknown index="2"/></Outputs></ModelStructure>
+</fmiModelDescription>"#;
+        let (description, _) = fmi2::description::read::read(xml).unwrap();
+        let expected = "Tank\nA tank.\n\ninputs\n  open  Boolean     true\n\noutputs\n  level  m                         \
+                        Height of the water.\n\nto paste\n  fmu my_tank = \"units/my-tank.fmu\"\n";
+        assert_eq!(page("units/my-tank.fmu", &description), expected);
+    }
+}
