@@ -10,6 +10,7 @@
 //! Whatever a unit does to its process, the parent still holds the rows and the last words.
 
 pub mod catalogue;
+pub mod child;
 pub mod claims;
 pub mod cli;
 pub mod diff;

@@ -1,1 +1,192 @@
-//! To be written.
+//! The loop: gather, judge, events, drive, step, record, tick for tick.
+//!
+//! It works on flat arrays and allocates, hashes, formats and waits for nothing but its workers. Next on the walk: the
+//! workers' units, `fmus/<unit>/src/lib.rs`, and back through `claims/` and `trace/`.
+
+mod gather;
+mod initialise;
+mod witness;
+
+pub use witness::Witness;
+
+use crate::claims::{Claims, Ending};
+use crate::expression::Moment;
+use crate::failure::Failure;
+use crate::message::{Finish, Reason};
+use crate::values::Values;
+use crate::wiring::Wiring;
+use crate::worker::{Order, Terminated, Ticket, Worker};
+
+/// What a run may be told besides its scenario.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wishes {
+    /// End as soon as a claim is lost.
+    pub fail_fast: bool,
+    /// Hand over rows.
+    pub record: bool,
+}
+
+/// A run of a scenario.
+pub struct StepLoop<'a, W> {
+    wiring: Wiring,
+    workers: Vec<Box<dyn Worker + 'a>>,
+    claims: Claims,
+    wishes: Wishes,
+    witness: W,
+    /// What `->`, claims and rows see: outputs of steps that ended by now.
+    visible: Values,
+    /// What `=>` sees: outputs of all steps that were awaited.
+    latest: Values,
+    /// Inputs as they last acted.
+    inputs: Values,
+    /// Orders whose replies nobody asked for yet, by group.
+    under_way: Vec<Option<Ticket>>,
+    /// Units that are done for good, with the tick at which that counts.
+    terminated: Vec<(u64, Terminated)>,
+    /// Whether each condition of `rises` held at the last sample, and whether it rises now.
+    held: Vec<bool>,
+    rises: Vec<bool>,
+    next_change: usize,
+    row: Vec<u64>,
+    /// How many samples the claims took.
+    samples: u64,
+}
+
+impl<'a, W: Witness> StepLoop<'a, W> {
+    /// A run that stands before initialization.
+    pub fn new(wiring: Wiring, claims: Claims, workers: Vec<Box<dyn Worker + 'a>>, wishes: Wishes, witness: W) -> Self {
+        Self {
+            visible: wiring.outputs.clone(),
+            latest: wiring.outputs.clone(),
+            inputs: wiring.inputs.clone(),
+            under_way: vec![None; wiring.groups.len()],
+            terminated: Vec::new(),
+            held: vec![false; wiring.rises.len()],
+            rises: vec![false; wiring.rises.len()],
+            next_change: 0,
+            row: wiring.row.row(),
+            samples: 0,
+            wiring,
+            workers,
+            claims,
+            wishes,
+            witness,
+        }
+    }
+
+    /// Runs to the end, whatever end that is, and tells the witness how the claims stand then.
+    ///
+    /// # Errors
+    /// The run broke.
+    pub fn run(&mut self) -> Result<Finish, Failure> {
+        let ended = self.initialise().and_then(|()| self.ticks());
+        let ending = match &ended {
+            Ok(Finish { reason: Reason::StopTime | Reason::Terminated(_), .. }) => Ending::Complete,
+            _ => Ending::CutOff,
+        };
+        let (witness, last_sample) = (&mut self.witness, self.samples.checked_sub(1));
+        self.claims.end(last_sample, ending, |claim, standing| witness.claim(claim, standing));
+        ended
+    }
+
+    fn ticks(&mut self) -> Result<Finish, Failure> {
+        let mut tick = 0;
+        loop {
+            self.witness.reached(tick);
+            if let Some(finish) = self.gather(tick)? {
+                return Ok(finish);
+            }
+            self.judge(tick);
+            if let Some(reason) = self.reason_to_end(tick) {
+                self.record(tick);
+                return Ok(Finish { last_tick: tick, reason });
+            }
+            self.take_events(tick);
+            self.drive(tick);
+            for wave in 0..self.wiring.waves.len() {
+                self.step(wave, tick)?;
+            }
+            self.record(tick);
+            tick += 1;
+        }
+    }
+
+    /// Claims take the sample of this tick.
+    fn judge(&mut self, tick: u64) {
+        let time_s = self.wiring.seconds(tick);
+        for (slot, condition) in self.wiring.rises.iter_mut().enumerate() {
+            let holds = condition.holds(&Moment { outputs: &self.visible, time_s, rises: &self.rises });
+            self.rises[slot] = holds && !std::mem::replace(&mut self.held[slot], holds);
+        }
+        let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+        self.claims.take(tick, &moment, |claim, standing| self.witness.claim(claim, standing));
+        self.samples = tick + 1;
+    }
+
+    fn reason_to_end(&self, tick: u64) -> Option<Reason> {
+        if tick >= self.wiring.stop_tick {
+            return Some(Reason::StopTime);
+        }
+        if let Some((_, terminated)) = self.terminated.iter().find(|(due_tick, _)| *due_tick <= tick) {
+            return Some(Reason::Terminated(terminated.instance));
+        }
+        let lost = self.claims.lost().filter(|_| self.wishes.fail_fast).map(Reason::ClaimLost);
+        lost.or_else(|| self.witness.stop_requested().then_some(Reason::Interrupted))
+    }
+
+    /// Windows close, then open.
+    fn take_events(&mut self, tick: u64) {
+        while let Some(change) = self.wiring.changes.get(self.next_change).filter(|change| change.tick <= tick) {
+            self.wiring.overrides[change.group][change.target].take(change.effect);
+            self.next_change += 1;
+        }
+    }
+
+    /// `->` brings what is visible to whoever steps now.
+    fn drive(&mut self, tick: u64) {
+        let time_s = self.wiring.seconds(tick);
+        let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+        for (group, feed) in self.wiring.groups.iter().zip(&mut self.wiring.delayed) {
+            if group.is_due(tick) {
+                feed.bring(&moment, &mut self.inputs);
+            }
+        }
+    }
+
+    /// A wave: all orders go out before the first reply is awaited.
+    fn step(&mut self, wave: usize, tick: u64) -> Result<(), Failure> {
+        let time_s = self.wiring.seconds(tick);
+        let groups = self.wiring.waves[wave].clone();
+        for group in groups.clone().filter(|&group| self.wiring.groups[group].is_due(tick)) {
+            let latest = Moment { outputs: &self.latest, time_s, rises: &self.rises };
+            let visible = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+            self.wiring.direct[group].bring(&latest, &mut self.inputs);
+            for target in &mut self.wiring.overrides[group] {
+                target.bring(&visible, &mut self.inputs);
+            }
+            let worker = &mut self.workers[self.wiring.groups[group].worker];
+            let ticket = worker.order(&Order { group, tick, inputs: &self.inputs }).map_err(|lost| lost.failure)?;
+            self.under_way[group] = Some(ticket);
+        }
+        self.await_direct(groups, tick)
+    }
+
+    /// Hands over the row of this tick.
+    fn record(&mut self, tick: u64) {
+        if self.wishes.record {
+            self.wiring.row.fill(&self.visible, &self.inputs, &mut self.row);
+            self.witness.row(tick, &self.row);
+        }
+    }
+
+    /// Terminates and frees all instances, at the tick that the run has reached.
+    ///
+    /// # Errors
+    /// The first in the script's order that refused.
+    pub fn close(&mut self) -> Result<(), Failure> {
+        let tick = self.samples.saturating_sub(1);
+        let lost = self.workers.iter_mut().filter_map(|worker| worker.finish(tick).err());
+        let lost: Vec<_> = lost.collect();
+        lost.into_iter().min_by_key(|lost| lost.instance).map_or(Ok(()), |lost| Err(lost.failure))
+    }
+}

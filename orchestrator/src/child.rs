@@ -1,0 +1,95 @@
+//! The stepping process: takes its plan from standard input, flies it, and tells its parent by the board.
+//!
+//! Standard input stays open as long as the parent lives; when it closes, so does this process.
+
+mod boarding;
+mod told;
+
+use crate::claims::Claims;
+use crate::failure::Failure;
+use crate::message::{Finish, Message};
+use crate::plan::Plan;
+use crate::step_loop::{StepLoop, Wishes};
+use crate::unit::board::Board;
+use crate::wiring::Wiring;
+use crate::worker::{InProcess, Worker};
+use std::io::{self, Read};
+use std::sync::Arc;
+use told::Told;
+
+/// A plan larger than this is none.
+const LONGEST_PLAN: u64 = 1 << 30;
+
+/// Flies the plan that stands on standard input. What comes of it stands on the board, also where the run breaks.
+///
+/// # Errors
+/// There is no plan, or the board that it names cannot be opened: then there is nobody to tell.
+pub fn run() -> io::Result<()> {
+    let plan = read_plan(&mut io::stdin().lock())?;
+    let board = Arc::new(Board::open(&plan.board)?);
+    end_with_parent();
+    fly(&plan, &board);
+    board.finish();
+    Ok(())
+}
+
+/// Reads a plan: its length as 8 bytes, the lowest first, then the plan itself.
+///
+/// # Errors
+/// The input ends early or holds no plan.
+pub fn read_plan(input: &mut impl Read) -> io::Result<Plan> {
+    let mut length = [0; 8];
+    input.read_exact(&mut length)?;
+    let length = u64::from_le_bytes(length);
+    let mut bytes = Vec::new();
+    if length > LONGEST_PLAN || input.take(length).read_to_end(&mut bytes)? as u64 != length {
+        return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the plan on standard input is cut short"));
+    }
+    postcard::from_bytes(&bytes)
+        .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, format!("no plan on standard input: {error}")))
+}
+
+/// Flies a plan and tells the board everything but that it is over.
+pub fn fly(plan: &Plan, board: &Arc<Board>) {
+    let (result, run) = match prepare(plan, board) {
+        Ok(mut run) => (run.run(), Some(run)),
+        Err(failure) => (Err(failure), None),
+    };
+    match (result, run) {
+        (Ok(finish), Some(mut run)) => match run.close() {
+            Ok(()) => tell_end(board, Ok(finish)),
+            Err(failure) => tell_end(board, Err(failure)),
+        },
+        (result, run) => {
+            // Told first: what broke counts, whatever happens to the units afterwards.
+            tell_end(board, result);
+            if let Some(mut run) = run {
+                run.close().ok();
+            }
+        }
+    }
+}
+
+fn prepare<'a>(plan: &'a Plan, board: &'a Arc<Board>) -> Result<StepLoop<'a, Told<'a>>, Failure> {
+    let scenario = &plan.scenario;
+    let descriptions: Vec<_> = plan.unit_of.iter().map(|&unit| &plan.units[unit].description).collect();
+    let wiring = Wiring::new(scenario, &descriptions, &vec![0; scenario.instances.len()]);
+    let claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
+    let instances = boarding::instances(plan, board)?;
+    let worker: Box<dyn Worker> = Box::new(InProcess::new(&wiring, instances));
+    let wishes = Wishes { fail_fast: plan.fail_fast, record: plan.record };
+    Ok(StepLoop::new(wiring, claims, vec![worker], wishes, Told::new(board)))
+}
+
+fn tell_end(board: &Board, end: Result<Finish, Failure>) {
+    told::message(board, &end.map_or_else(Message::Broken, Message::Finished));
+}
+
+/// Ends this process when its standard input closes.
+fn end_with_parent() {
+    std::thread::spawn(|| {
+        // Whatever else comes is of no interest; neither is why it ends.
+        io::copy(&mut io::stdin(), &mut io::sink()).ok();
+        std::process::exit(1);
+    });
+}

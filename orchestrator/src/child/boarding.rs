@@ -1,0 +1,73 @@
+//! Brings the units on board: libraries are loaded, instances made, their values set, initialization begun.
+
+use super::told::message;
+use crate::failure::{Cause, Doing, Failure};
+use crate::message::Message;
+use crate::plan::{Plan, PlannedUnit};
+use crate::unit::board::Board;
+use crate::unit::instance::{Instance, Moment, Setting};
+use crate::unit::library::Library;
+use crate::unit::logger::LogSink;
+use crate::worker::Seating;
+use dsl::scenario::{Preset, Value};
+use std::path::Path;
+use std::sync::Arc;
+
+const START: Moment = Moment { tick: 0, time_s: 0.0 };
+
+/// All instances of a plan, each in initialization mode, in the script's order.
+///
+/// # Errors
+/// The first instance that could not be brought so far.
+pub fn instances(plan: &Plan, board: &Arc<Board>) -> Result<Vec<Seating>, Failure> {
+    let sink: LogSink = {
+        let board = Arc::clone(board);
+        Arc::new(move |said| message(&board, &Message::Log(said)))
+    };
+    let mut libraries: Vec<Option<Arc<Library>>> = vec![None; plan.units.len()];
+    let mut seatings = Vec::with_capacity(plan.scenario.instances.len());
+    for (index, planned) in plan.scenario.instances.iter().enumerate() {
+        let unit = &plan.units[plan.unit_of[index]];
+        let library = match &libraries[plan.unit_of[index]] {
+            Some(library) => Arc::clone(library),
+            None => load(unit, &planned.name, index, board)?,
+        };
+        libraries[plan.unit_of[index]] = Some(Arc::clone(&library));
+        let (note, sink) = (board.note(0), Arc::clone(&sink));
+        let setting = Setting { name: &planned.name, index, note, sink, logging_on: false };
+        let mut instance = Instance::instantiate(&library, setting)?;
+        for preset in &planned.presets {
+            set(&mut instance, preset, unit, &plan.folder)?;
+        }
+        instance.setup_experiment(START)?;
+        seatings.push(Seating { index, instance });
+    }
+    for seating in &mut seatings {
+        seating.instance.enter_initialization_mode(START)?;
+    }
+    Ok(seatings)
+}
+
+fn load(unit: &PlannedUnit, name: &str, index: usize, board: &Board) -> Result<Arc<Library>, Failure> {
+    let library = Library::load(&unit.folder, &unit.description, &board.note(0), index);
+    library.map(Arc::new).map_err(|error| Failure {
+        instance: Some(name.to_owned()),
+        doing: Doing::Load,
+        time_s: None,
+        cause: Cause::Other(error.to_string()),
+    })
+}
+
+fn set(instance: &mut Instance, preset: &Preset, unit: &PlannedUnit, folder: &Path) -> Result<(), Failure> {
+    let reference = &[unit.description.variables[preset.variable].value_reference];
+    match &preset.value {
+        Value::Real(value) => instance.set_real(START, reference, &[*value]),
+        Value::Integer(value) => instance.set_integer(START, reference, &[*value]),
+        Value::Boolean(value) => instance.set_boolean(START, reference, &[i32::from(*value)]),
+        Value::String(text) => instance.set_string(START, reference, std::slice::from_ref(text)),
+        Value::File(path) => {
+            let path = folder.join(path).to_string_lossy().into_owned();
+            instance.set_string(START, reference, &[path])
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! A judged value, and how values join under `and`, `or` and the temporal words.
+
+use std::cmp::Ordering;
+
+/// A margin with its verdict and the tick of the sample that it comes from.
+///
+/// The verdict is the margin's sign; at zero, where strictness decides, a failing value is −0. So one total order of
+/// numbers orders margins and verdicts at once.
+#[derive(Clone, Copy, Debug)]
+pub struct Judged {
+    signed: f64,
+    /// The tick of the sample.
+    pub tick: u64,
+}
+
+/// What is known of a value: `None` where the samples do not decide it.
+pub type Outcome = Option<Judged>;
+
+impl Judged {
+    /// Judges a comparison by its margin; not-a-number fails with margin −∞.
+    #[must_use]
+    pub fn margin(value: f64, strict: bool, tick: u64) -> Self {
+        let signed = match value {
+            value if value.is_nan() => f64::NEG_INFINITY,
+            0.0 if strict => -0.0,
+            0.0 => 0.0,
+            value => value,
+        };
+        Self { signed, tick }
+    }
+
+    /// Judges a condition: its margin is infinite.
+    #[must_use]
+    pub fn condition(holds: bool, tick: u64) -> Self {
+        Self { signed: if holds { f64::INFINITY } else { f64::NEG_INFINITY }, tick }
+    }
+
+    /// The verdict.
+    #[must_use]
+    pub fn holds(self) -> bool {
+        self.signed.is_sign_positive()
+    }
+
+    /// The margin as people read it.
+    #[must_use]
+    pub fn told(self) -> f64 {
+        self.signed + 0.0
+    }
+}
+
+/// Whether all must hold or one suffices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Join {
+    /// `and`, `always`: the smallest margin counts.
+    All,
+    /// `or`, `eventually`: the largest margin counts.
+    Any,
+}
+
+impl Join {
+    /// Whether the first value counts rather than the second.
+    #[must_use]
+    pub fn prefers(self, a: Judged, b: Judged) -> bool {
+        let wanted = if self == Self::All { Ordering::Less } else { Ordering::Greater };
+        a.signed.total_cmp(&b.signed) == wanted
+    }
+
+    /// Whether this value alone decides the whole.
+    #[must_use]
+    pub fn is_decided_by(self, value: Judged) -> bool {
+        value.holds() == (self == Self::Any)
+    }
+}
+
+/// Values joined one after the other.
+#[derive(Clone, Copy, Debug)]
+pub struct Joined {
+    join: Join,
+    counts: Outcome,
+    open: bool,
+}
+
+impl Joined {
+    /// Nothing joined yet.
+    #[must_use]
+    pub fn new(join: Join) -> Self {
+        Self { join, counts: None, open: false }
+    }
+
+    /// Joins one more; among equals the first counts. Returns whether anything changed.
+    pub fn take(&mut self, outcome: Outcome) -> bool {
+        let Some(value) = outcome else { return !std::mem::replace(&mut self.open, true) };
+        let counts = self.counts.is_none_or(|counts| self.join.prefers(value, counts));
+        if counts {
+            self.counts = outcome;
+        }
+        counts
+    }
+
+    /// Joins one that stands before all others: among equals it counts.
+    pub fn take_earlier(&mut self, outcome: Outcome) {
+        let Some(value) = outcome else { return self.open = true };
+        if self.counts.is_none_or(|counts| !self.join.prefers(counts, value)) {
+            self.counts = outcome;
+        }
+    }
+
+    /// The value that counts among those that are decided.
+    #[must_use]
+    pub fn counting(&self) -> Outcome {
+        self.counts
+    }
+
+    /// The value of all; `complete` tells that no more will come.
+    #[must_use]
+    pub fn outcome(&self, complete: bool) -> Outcome {
+        self.counts.filter(|&value| complete && !self.open || self.join.is_decided_by(value))
+    }
+}
+
+#[test]
+fn at_zero_a_failing_margin_counts_before_a_holding_one() {
+    let [strict, lax] = [Judged::margin(0.0, true, 1), Judged::margin(-0.0, false, 2)];
+    assert!(!strict.holds() && lax.holds());
+    assert_eq!((strict.told().to_bits(), lax.told().to_bits()), (0, 0));
+    assert!(Join::All.prefers(strict, lax) && Join::Any.prefers(lax, strict));
+}
+
+#[test]
+fn not_a_number_fails() {
+    let nan = Judged::margin(f64::NAN, false, 0);
+    assert!(!nan.holds());
+    assert_eq!(nan.told(), f64::NEG_INFINITY);
+}

@@ -1,0 +1,193 @@
+//! Claims judged online against the definition of their words, evaluated from the whole trace.
+
+use super::judged::{Join, Joined, Judged, Outcome};
+use super::stream::horizon;
+use super::{Claims, Ending, Standing, Verdict};
+use crate::expression::Moment;
+use crate::values::{Slot, Values};
+use dsl::scenario::{BooleanExpression, Claim, Formula, Margin, Port, RealExpression, TickWindow};
+use fmi2::description::BaseType;
+use proptest::prelude::*;
+
+/// The value of a formula at a tick of a trace that ends with its last sample, word by word as the language defines it.
+fn defined(formula: &Formula, at: u64, trace: &[[f64; 2]], ending: Ending) -> Outcome {
+    let last = trace.len() as u64 - 1;
+    let sample = |variable: usize| trace.get(usize::try_from(at).unwrap()).map(|sample| sample[variable]);
+    let join = if matches!(formula, Formula::And(_) | Formula::Always(..)) { Join::All } else { Join::Any };
+    let mut joined = Joined::new(join);
+    match formula {
+        Formula::Margin(Margin { value: RealExpression::Signal(port), strict }) => {
+            return sample(port.variable).map(|value| Judged::margin(value, *strict, at));
+        }
+        Formula::Condition(BooleanExpression::Margin(Margin { value: RealExpression::Signal(port), .. })) => {
+            return sample(port.variable).map(|value| Judged::condition(value > 0.0, at));
+        }
+        Formula::And(parts) | Formula::Or(parts) => {
+            for part in parts {
+                joined.take(defined(part, at, trace, ending));
+            }
+            joined.outcome(true)
+        }
+        Formula::Always(window, body) | Formula::Eventually(window, body) => {
+            let last_judgeable = last.checked_sub(horizon(body));
+            let to = window.to.map(|to| at + to).or(last_judgeable);
+            for tick in at + window.from..to.map_or(0, |to| to + 1) {
+                joined.take(defined(body, tick, trace, ending));
+            }
+            joined.outcome(window.to.is_some() || ending == Ending::Complete)
+        }
+        _ => unreachable!(),
+    }
+}
+
+fn judge(formula: &Formula, trace: &[[f64; 2]], stop_tick: u64, ending: Ending) -> (Claims, Standing) {
+    let claim = Claim {
+        name: String::new(),
+        text: String::new(),
+        line: 1,
+        formula: formula.clone(),
+        horizon: 0,
+        unit: None,
+        limit: None,
+    };
+    let mut claims = Claims::new(&[claim], stop_tick, &mut |port| Slot { base: BaseType::Real, index: port.variable });
+    for (tick, sample) in (0..).zip(trace) {
+        let outputs = Values { reals: sample.to_vec(), ..Values::default() };
+        claims.take(tick, &Moment { outputs: &outputs, time_s: 0.0, rises: &[] }, |_, _| {});
+    }
+    let early = claims.standings().next().unwrap();
+    claims.end((trace.len() as u64).checked_sub(1), ending, |_, _| {});
+    (claims, early)
+}
+
+fn signal(variable: usize) -> RealExpression {
+    RealExpression::Signal(Port { instance: 0, variable })
+}
+
+fn above_zero(variable: usize, strict: bool) -> Formula {
+    Formula::Margin(Margin { value: signal(variable), strict })
+}
+
+fn always(from: u64, to: Option<u64>, body: Formula) -> Formula {
+    Formula::Always(TickWindow { from, to }, Box::new(body))
+}
+
+fn eventually(from: u64, to: Option<u64>, body: Formula) -> Formula {
+    Formula::Eventually(TickWindow { from, to }, Box::new(body))
+}
+
+fn any_formula() -> impl Strategy<Value = Formula> {
+    let condition =
+        |variable| Formula::Condition(BooleanExpression::Margin(Margin { value: signal(variable), strict: true }));
+    let atom = prop_oneof![
+        (0..2_usize, any::<bool>()).prop_map(|(variable, strict)| above_zero(variable, strict)),
+        (0..2_usize).prop_map(condition),
+    ];
+    atom.prop_recursive(4, 12, 3, |inner| {
+        let window = (0..4_u64, prop::option::weighted(0.7, 0..4_u64))
+            .prop_map(|(from, more)| (from, more.map(|more| from + more)));
+        prop_oneof![
+            prop::collection::vec(inner.clone(), 1..4).prop_map(Formula::And),
+            prop::collection::vec(inner.clone(), 1..4).prop_map(Formula::Or),
+            (window.clone(), inner.clone()).prop_map(|((from, to), body)| always(from, to, body)),
+            (window, inner).prop_map(|((from, to), body)| eventually(from, to, body)),
+        ]
+    })
+}
+
+/// Small whole numbers, so that margins are often equal or zero.
+fn any_trace() -> impl Strategy<Value = Vec<[f64; 2]>> {
+    let value = || prop_oneof![20 => (-3..4_i32).prop_map(f64::from), 1 => Just(f64::NAN)];
+    prop::collection::vec((value(), value()).prop_map(|(a, b)| [a, b]), 1..16)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 4096, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_claim_gets_the_verdict_margin_and_tick_of_its_definition(
+        formula in any_formula(), trace in any_trace(), complete: bool, more in 0..5_u64,
+    ) {
+        let ending = if complete { Ending::Complete } else { Ending::CutOff };
+        let (claims, early) = judge(&formula, &trace, trace.len() as u64 - 1 + more, ending);
+        let standing = claims.standings().next().unwrap();
+        match defined(&formula, 0, &trace, ending) {
+            Some(value) => {
+                let verdict = if value.holds() { Verdict::Holds } else { Verdict::Fails };
+                prop_assert_eq!(standing, Standing { verdict, margin: value.told(), worst_tick: value.tick });
+            }
+            None => prop_assert_eq!(standing.verdict, Verdict::Unjudged),
+        }
+        if early.verdict != Verdict::Undecided {
+            prop_assert_eq!(early.verdict, standing.verdict, "a decided claim stays decided");
+        }
+        prop_assert_eq!(claims.lost().is_some(), early.verdict == Verdict::Fails);
+    }
+
+    #[test]
+    fn what_was_decided_when_a_run_was_cut_off_holds_for_every_continuation(
+        formula in any_formula(), trace in any_trace(), rest in any_trace(),
+    ) {
+        let cut = judge(&formula, &trace, 40, Ending::CutOff).0.standings().next().unwrap().verdict;
+        let whole: Vec<_> = trace.iter().chain(&rest).copied().collect();
+        let later = judge(&formula, &whole, 40, Ending::CutOff).0.standings().next().unwrap().verdict;
+        if cut != Verdict::Unjudged {
+            prop_assert_eq!(cut, later);
+        }
+    }
+}
+
+fn standing_of(formula: &Formula, values: &[f64], ending: Ending) -> (Verdict, f64, u64) {
+    let trace: Vec<_> = values.iter().map(|&value| [value, 0.0]).collect();
+    let standing = judge(formula, &trace, 100, ending).0.standings().next().unwrap();
+    (standing.verdict, standing.margin, standing.worst_tick)
+}
+
+#[test]
+fn always_tells_its_smallest_margin_and_when() {
+    let claim = always(0, None, above_zero(0, true));
+    assert_eq!(standing_of(&claim, &[3.0, 1.0, 2.0, 1.0], Ending::Complete), (Verdict::Holds, 1.0, 1));
+    assert_eq!(standing_of(&claim, &[3.0, 0.0, 2.0], Ending::Complete), (Verdict::Fails, 0.0, 1));
+    assert_eq!(standing_of(&claim, &[3.0, 1.0], Ending::CutOff), (Verdict::Unjudged, 1.0, 1));
+    assert_eq!(standing_of(&claim, &[3.0, -1.0], Ending::CutOff), (Verdict::Fails, -1.0, 1));
+}
+
+#[test]
+fn the_last_seconds_that_cannot_be_judged_are_not() {
+    let claim = always(0, None, eventually(0, Some(2), above_zero(0, true)));
+    let recovers = [1.0, -1.0, -1.0, 1.0, -1.0, -1.0];
+    assert_eq!(standing_of(&claim, &recovers, Ending::Complete), (Verdict::Holds, 1.0, 0));
+    assert_eq!(standing_of(&claim, &[1.0, -1.0, -1.0, -2.0], Ending::Complete), (Verdict::Fails, -1.0, 1));
+    assert_eq!(standing_of(&claim, &[1.0, -1.0], Ending::Complete).0, Verdict::Unjudged);
+}
+
+#[test]
+fn a_window_cut_short_is_judged_if_its_samples_decide_it() {
+    let reach = eventually(0, Some(9), above_zero(0, true));
+    assert_eq!(standing_of(&reach, &[-1.0, 2.0, 1.0], Ending::Complete), (Verdict::Holds, 2.0, 1));
+    assert_eq!(standing_of(&reach, &[-1.0, -2.0], Ending::Complete).0, Verdict::Unjudged);
+    let stay = always(0, Some(9), above_zero(0, true));
+    assert_eq!(standing_of(&stay, &[1.0, -2.0], Ending::Complete), (Verdict::Fails, -2.0, 1));
+    assert_eq!(standing_of(&stay, &[1.0, 2.0], Ending::Complete).0, Verdict::Unjudged);
+}
+
+#[test]
+fn an_unbounded_word_whose_range_is_empty_is_unjudged() {
+    let late = always(5, None, above_zero(0, true));
+    assert_eq!(standing_of(&late, &[1.0; 5], Ending::Complete).0, Verdict::Unjudged);
+    assert_eq!(standing_of(&late, &[1.0; 6], Ending::Complete), (Verdict::Holds, 1.0, 5));
+}
+
+#[test]
+fn not_a_number_fails_at_its_sample_only() {
+    let [always, eventually] = [always(0, None, above_zero(0, true)), eventually(0, None, above_zero(0, true))];
+    let values = [1.0, f64::NAN, 2.0];
+    assert_eq!(standing_of(&always, &values, Ending::Complete), (Verdict::Fails, f64::NEG_INFINITY, 1));
+    assert_eq!(standing_of(&eventually, &values, Ending::Complete), (Verdict::Holds, 2.0, 2));
+}
+
+#[test]
+fn a_run_without_a_sample_leaves_every_claim_unjudged() {
+    let (claims, _) = judge(&above_zero(0, true), &[], 10, Ending::CutOff);
+    assert_eq!(claims.standings().next().unwrap().verdict, Verdict::Unjudged);
+}

@@ -1,0 +1,53 @@
+//! The smallest or largest value of a window that slides over a stream.
+
+use super::judged::{Join, Judged, Outcome};
+use std::collections::VecDeque;
+
+/// A sliding window: a monotonic queue of the values that can still count.
+#[derive(Debug)]
+pub struct Window {
+    join: Join,
+    width: u64,
+    candidates: VecDeque<(u64, Judged)>,
+    last_open: Option<u64>,
+}
+
+impl Window {
+    /// A window over this many neighbouring ticks.
+    #[must_use]
+    pub fn new(join: Join, width: u64) -> Self {
+        let capacity = usize::try_from(width).unwrap_or(usize::MAX);
+        Self { join, width, candidates: VecDeque::with_capacity(capacity), last_open: None }
+    }
+
+    /// Slides on to `tick`, takes its value and returns the value of the window that ends there.
+    pub fn slide(&mut self, tick: u64, outcome: Outcome) -> Outcome {
+        let first = (tick + 1).saturating_sub(self.width);
+        while self.candidates.front().is_some_and(|&(at, _)| at < first) {
+            self.candidates.pop_front();
+        }
+        match outcome {
+            None => self.last_open = Some(tick),
+            Some(value) => {
+                while self.candidates.back().is_some_and(|&(_, earlier)| self.join.prefers(value, earlier)) {
+                    self.candidates.pop_back();
+                }
+                self.candidates.push_back((tick, value));
+            }
+        }
+        let open = self.last_open.is_some_and(|at| at >= first);
+        let counts = self.candidates.front().map(|&(_, value)| value);
+        counts.filter(|&value| !open || self.join.is_decided_by(value))
+    }
+}
+
+#[test]
+fn a_full_window_keeps_to_the_memory_it_began_with() {
+    let mut window = Window::new(Join::All, 4);
+    let capacity = window.candidates.capacity();
+    for tick in 0..100_u32 {
+        let smallest = window.slide(tick.into(), Some(Judged::margin(tick.into(), true, tick.into())));
+        assert_eq!(smallest.map(|value| value.tick), Some(u64::from(tick.saturating_sub(3))));
+    }
+    assert_eq!(window.candidates.capacity(), capacity);
+}

@@ -1,0 +1,116 @@
+//! Values flattened to one array for each base type, with indices into them.
+
+use dsl::scenario::Value;
+use fmi2::description::{BaseType, Kind, Variable};
+use std::ops::Range;
+
+/// One array for each base type. Booleans are held as units exchange them, 0 or 1.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Values {
+    /// `fmi2Real`
+    pub reals: Vec<f64>,
+    /// `fmi2Integer` and enumerations
+    pub integers: Vec<i32>,
+    /// `fmi2Boolean`
+    pub booleans: Vec<i32>,
+    /// `fmi2String`
+    pub texts: Vec<String>,
+}
+
+/// A place in [`Values`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Slot {
+    /// Which array.
+    pub base: BaseType,
+    /// The index into it.
+    pub index: usize,
+}
+
+/// A range of each array of [`Values`].
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Ranges {
+    /// Of [`Values::reals`].
+    pub reals: Range<usize>,
+    /// Of [`Values::integers`].
+    pub integers: Range<usize>,
+    /// Of [`Values::booleans`].
+    pub booleans: Range<usize>,
+    /// Of [`Values::texts`].
+    pub texts: Range<usize>,
+}
+
+impl Values {
+    /// Adds a slot that holds zero, false or the empty text.
+    pub fn add(&mut self, base: BaseType) -> Slot {
+        let index = match base {
+            BaseType::Real => grow(&mut self.reals),
+            BaseType::Integer => grow(&mut self.integers),
+            BaseType::Boolean => grow(&mut self.booleans),
+            BaseType::String => grow(&mut self.texts),
+        };
+        Slot { base, index }
+    }
+
+    /// How many slots each array has, as ranges that begin and end there.
+    #[must_use]
+    pub fn end(&self) -> Ranges {
+        let at = |length: usize| length..length;
+        Ranges {
+            reals: at(self.reals.len()),
+            integers: at(self.integers.len()),
+            booleans: at(self.booleans.len()),
+            texts: at(self.texts.len()),
+        }
+    }
+
+    /// Copies these ranges of another block of the same layout; allocates only where a text outgrows its place.
+    pub fn copy_ranges(&mut self, from: &Self, ranges: &Ranges) {
+        self.reals[ranges.reals.clone()].copy_from_slice(&from.reals[ranges.reals.clone()]);
+        self.integers[ranges.integers.clone()].copy_from_slice(&from.integers[ranges.integers.clone()]);
+        self.booleans[ranges.booleans.clone()].copy_from_slice(&from.booleans[ranges.booleans.clone()]);
+        self.texts[ranges.texts.clone()].clone_from_slice(&from.texts[ranges.texts.clone()]);
+    }
+
+    /// Stores a value of the script.
+    ///
+    /// # Panics
+    /// If the value is not of the slot's type, which the checks of the language exclude.
+    pub fn store(&mut self, slot: Slot, value: &Value) {
+        match (slot.base, value) {
+            (BaseType::Real, Value::Real(value)) => self.reals[slot.index] = *value,
+            (BaseType::Integer, Value::Integer(value)) => self.integers[slot.index] = *value,
+            (BaseType::Boolean, Value::Boolean(value)) => self.booleans[slot.index] = i32::from(*value),
+            (BaseType::String, Value::String(value) | Value::File(value)) => self.texts[slot.index].clone_from(value),
+            (base, value) => unreachable!("{value:?} was resolved for a variable of type {base:?}"),
+        }
+    }
+}
+
+impl Ranges {
+    /// From where this begins to where the other ends.
+    #[must_use]
+    pub fn to(&self, end: &Self) -> Self {
+        Self {
+            reals: self.reals.start..end.reals.end,
+            integers: self.integers.start..end.integers.end,
+            booleans: self.booleans.start..end.booleans.end,
+            texts: self.texts.start..end.texts.end,
+        }
+    }
+}
+
+/// The start value that a description declares, or the type's zero.
+#[must_use]
+pub fn start_value(variable: &Variable) -> Value {
+    match &variable.kind {
+        Kind::Real(real) => Value::Real(real.start.unwrap_or_default()),
+        Kind::Integer { start, .. } | Kind::Enumeration { start, .. } => Value::Integer(start.unwrap_or_default()),
+        Kind::Boolean { start } => Value::Boolean(start.unwrap_or_default()),
+        Kind::String { start } => Value::String(start.clone().unwrap_or_default()),
+    }
+}
+
+fn grow<T: Default>(values: &mut Vec<T>) -> usize {
+    values.push(T::default());
+    values.len() - 1
+}

@@ -1,0 +1,214 @@
+//! Instances in this very process: an order is a few calls through function pointers.
+
+use super::{Lost, Order, Reply, Terminated, Ticket, Worker};
+use crate::failure::Failure;
+use crate::unit::instance::{Instance, Moment, StepResult};
+use crate::values::Values;
+use crate::wiring::{Group, Member, Pick, Ports, Wiring, seconds};
+use fmi2::description::BaseType;
+use std::ops::Range;
+
+/// An instance in initialization mode, with its index in the scenario.
+#[derive(Debug)]
+pub struct Seating {
+    /// The index.
+    pub index: usize,
+    /// The instance.
+    pub instance: Instance,
+}
+
+/// Holds instances and steps them when ordered, one after the other.
+#[derive(Debug)]
+pub struct InProcess {
+    step_ns: u64,
+    /// By group and then in the script's order.
+    seats: Vec<Seat>,
+    /// For each group of the run; those of other workers have no seats.
+    teams: Vec<Team>,
+}
+
+#[derive(Debug)]
+struct Seat {
+    index: usize,
+    instance: Instance,
+    member: Member,
+    failed: bool,
+}
+
+/// The seats of a group, and what its last step brought besides values.
+#[derive(Debug, Default)]
+struct Team {
+    seats: Range<usize>,
+    every: u64,
+    lost: Option<Lost>,
+    terminated: Vec<Terminated>,
+}
+
+impl InProcess {
+    /// Seats the instances of one worker.
+    #[must_use]
+    pub fn new(wiring: &Wiring, seatings: Vec<Seating>) -> Self {
+        let count = wiring.members.len();
+        let mut waiting: Vec<Option<Instance>> = std::iter::repeat_with(|| None).take(count).collect();
+        for seating in seatings {
+            waiting[seating.index] = Some(seating.instance);
+        }
+        let mut seats = Vec::new();
+        let mut team = |group: &Group| {
+            let first = seats.len();
+            for &index in &group.instances {
+                if let Some(instance) = waiting[index].take() {
+                    let member = wiring.members[index].clone();
+                    seats.push(Seat { index, instance, member, failed: false });
+                }
+            }
+            Team { seats: first..seats.len(), every: group.every, lost: None, terminated: Vec::new() }
+        };
+        let teams = wiring.groups.iter().map(&mut team).collect();
+        Self { step_ns: wiring.step_ns, seats, teams }
+    }
+
+    fn seat(&mut self, index: usize) -> &mut Seat {
+        let seat = self.seats.iter_mut().find(|seat| seat.index == index);
+        seat.unwrap_or_else(|| unreachable!("instance {index} is not with this worker"))
+    }
+
+    fn moment(&self, tick: u64) -> Moment {
+        Moment { tick, time_s: seconds(tick, self.step_ns) }
+    }
+}
+
+impl Worker for InProcess {
+    fn set_initial(&mut self, instance: usize, picks: &[Pick], inputs: &Values) -> Result<(), Lost> {
+        let now = self.moment(0);
+        let seat = self.seat(instance);
+        picks.iter().try_for_each(|pick| seat.set_one(now, pick, inputs)).map_err(|failure| seat.lose(failure))
+    }
+
+    fn get_initial(&mut self, instance: usize, picks: &[Pick], outputs: &mut Values) -> Result<(), Lost> {
+        let now = self.moment(0);
+        let seat = self.seat(instance);
+        picks.iter().try_for_each(|pick| seat.get_one(now, pick, outputs)).map_err(|failure| seat.lose(failure))
+    }
+
+    fn start(&mut self, outputs: &mut Values) -> Result<(), Lost> {
+        let now = self.moment(0);
+        let mut seats: Vec<_> = self.seats.iter_mut().collect();
+        seats.sort_by_key(|seat| seat.index);
+        for seat in seats {
+            let started = seat.instance.exit_initialization_mode(now).and_then(|()| seat.get(now, outputs));
+            started.map_err(|failure| seat.lose(failure))?;
+        }
+        Ok(())
+    }
+
+    fn order(&mut self, order: &Order<'_>) -> Result<Ticket, Lost> {
+        let now = self.moment(order.tick);
+        let team = &mut self.teams[order.group];
+        let step_s = seconds(team.every, self.step_ns);
+        for seat in &mut self.seats[team.seats.clone()] {
+            match seat.set(now, order.inputs).and_then(|()| seat.instance.do_step(now, step_s)) {
+                Ok(StepResult::Done) => {}
+                Ok(StepResult::Terminated { last_successful_time_s }) => {
+                    team.terminated.push(Terminated { instance: seat.index, last_successful_time_s });
+                }
+                Err(failure) => {
+                    // The results of those behind it would be dropped together with its own.
+                    team.lost = Some(seat.lose(failure));
+                    break;
+                }
+            }
+        }
+        Ok(Ticket { group: order.group })
+    }
+
+    fn reply(&mut self, ticket: Ticket, due_tick: u64, outputs: &mut Values) -> Result<Reply, Lost> {
+        let now = self.moment(due_tick);
+        let team = &mut self.teams[ticket.group];
+        if let Some(lost) = team.lost.take() {
+            return Err(lost);
+        }
+        for seat in &mut self.seats[team.seats.clone()] {
+            seat.get(now, outputs).map_err(|failure| seat.lose(failure))?;
+        }
+        Ok(Reply { terminated: std::mem::take(&mut team.terminated) })
+    }
+
+    fn finish(&mut self, tick: u64) -> Result<(), Lost> {
+        let now = self.moment(tick);
+        let mut first = Ok(());
+        self.seats.sort_by_key(|seat| seat.index);
+        for mut seat in self.seats.drain(..) {
+            if !seat.failed
+                && let Err(failure) = seat.instance.terminate(now)
+            {
+                first = first.and(Err(seat.lose(failure)));
+            }
+            seat.instance.free();
+        }
+        first
+    }
+}
+
+impl Seat {
+    fn lose(&mut self, failure: Failure) -> Lost {
+        self.failed = true;
+        Lost { instance: self.index, failure }
+    }
+
+    #[inline]
+    fn set(&mut self, now: Moment, inputs: &Values) -> Result<(), Failure> {
+        let Ports { reals, integers, booleans, texts } = &self.member.inputs;
+        if !reals.references.is_empty() {
+            self.instance.set_real(now, &reals.references, &inputs.reals[reals.range()])?;
+        }
+        if !integers.references.is_empty() {
+            self.instance.set_integer(now, &integers.references, &inputs.integers[integers.range()])?;
+        }
+        if !booleans.references.is_empty() {
+            self.instance.set_boolean(now, &booleans.references, &inputs.booleans[booleans.range()])?;
+        }
+        if !texts.references.is_empty() {
+            self.instance.set_string(now, &texts.references, &inputs.texts[texts.range()])?;
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn get(&mut self, now: Moment, outputs: &mut Values) -> Result<(), Failure> {
+        let Ports { reals, integers, booleans, texts } = &self.member.outputs;
+        if !reals.references.is_empty() {
+            self.instance.get_real(now, &reals.references, &mut outputs.reals[reals.range()])?;
+        }
+        if !integers.references.is_empty() {
+            self.instance.get_integer(now, &integers.references, &mut outputs.integers[integers.range()])?;
+        }
+        if !booleans.references.is_empty() {
+            self.instance.get_boolean(now, &booleans.references, &mut outputs.booleans[booleans.range()])?;
+        }
+        if !texts.references.is_empty() {
+            self.instance.get_string(now, &texts.references, &mut outputs.texts[texts.range()])?;
+        }
+        Ok(())
+    }
+
+    fn set_one(&mut self, now: Moment, pick: &Pick, inputs: &Values) -> Result<(), Failure> {
+        let (at, reference) = (pick.slot.index..=pick.slot.index, &[pick.reference]);
+        match pick.slot.base {
+            BaseType::Real => self.instance.set_real(now, reference, &inputs.reals[at]),
+            BaseType::Integer => self.instance.set_integer(now, reference, &inputs.integers[at]),
+            BaseType::Boolean => self.instance.set_boolean(now, reference, &inputs.booleans[at]),
+            BaseType::String => self.instance.set_string(now, reference, &inputs.texts[at]),
+        }
+    }
+
+    fn get_one(&mut self, now: Moment, pick: &Pick, outputs: &mut Values) -> Result<(), Failure> {
+        let (at, reference) = (pick.slot.index..=pick.slot.index, &[pick.reference]);
+        match pick.slot.base {
+            BaseType::Real => self.instance.get_real(now, reference, &mut outputs.reals[at]),
+            BaseType::Integer => self.instance.get_integer(now, reference, &mut outputs.integers[at]),
+            BaseType::Boolean => self.instance.get_boolean(now, reference, &mut outputs.booleans[at]),
+            BaseType::String => self.instance.get_string(now, reference, &mut outputs.texts[at]),
+        }
+    }
+}
