@@ -1,5 +1,9 @@
 //! What is wrong with a script: a value with place, cause and fix, and its picture.
 
+use std::ops::Range;
+
+use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Renderer, Snippet};
+
 use crate::source::{Sources, Span};
 
 /// Whether the script can run all the same.
@@ -71,4 +75,59 @@ impl Diagnostic {
         self.help = Some(text.into());
         self
     }
+}
+
+/// The diagnostics as a user reads them, in the order of their places, each followed by an empty line.
+#[must_use]
+pub fn render(sources: &Sources, diagnostics: &[Diagnostic], colour: bool) -> String {
+    let mut in_order: Vec<_> = diagnostics.iter().collect();
+    in_order.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span));
+    let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
+    in_order.into_iter().map(|diagnostic| renderer.render(&[picture(sources, diagnostic)]) + "\n\n").collect()
+}
+
+/// Message, one excerpt for each text that the labels lie in, and help.
+fn picture<'a>(sources: &'a Sources, diagnostic: &'a Diagnostic) -> Group<'a> {
+    let level = match diagnostic.severity {
+        Severity::Error => Level::ERROR,
+        Severity::Warning => Level::WARNING,
+    };
+    let mut texts: Vec<u32> = Vec::new();
+    for label in &diagnostic.labels {
+        if !texts.contains(&label.span.text) {
+            texts.push(label.span.text);
+        }
+    }
+    let excerpts = texts.into_iter().map(|text| excerpt(sources, &diagnostic.labels, text));
+    let group = level.primary_title(diagnostic.message.as_str()).id(diagnostic.code).elements(excerpts);
+    match &diagnostic.help {
+        Some(help) => group.element(Level::HELP.message(help.as_str())),
+        None => group,
+    }
+}
+
+/// The lines of one text that labels lie in.
+fn excerpt<'a>(sources: &'a Sources, labels: &'a [Label], text: u32) -> Snippet<'a, Annotation<'a>> {
+    let marked = || labels.iter().enumerate().filter(|(_, label)| label.span.text == text);
+    let source = sources.text(text);
+    let ranges = marked().map(|(_, label)| bytes(source, label.span));
+    let covered = ranges.reduce(|all, one| all.start.min(one.start)..all.end.max(one.end)).unwrap_or_default();
+    let start = source[..covered.start].rfind('\n').map_or(0, |line_break| line_break + 1);
+    let end = source[covered.end..].find('\n').map_or(source.len(), |length| covered.end + length);
+    let first_line = source[..start].matches('\n').count() + 1;
+    let annotations = marked().map(|(index, label)| {
+        let kind = if index == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
+        let range = bytes(source, label.span);
+        let annotation = kind.span(range.start - start..range.end - start);
+        if label.text.is_empty() { annotation } else { annotation.label(label.text.as_str()) }
+    });
+    let name = sources.name(text);
+    Snippet::source(&source[start..end]).line_start(first_line).path(name).annotations(annotations)
+}
+
+/// The bytes of a span, within the text and between characters.
+fn bytes(source: &str, span: Span) -> Range<usize> {
+    let start = source.floor_char_boundary(span.start as usize);
+    let end = source.ceil_char_boundary(span.end as usize);
+    start..end.max(start)
 }

@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 pub mod diagnostic;
+pub mod nearest;
 pub mod parse;
 pub mod resolve;
 pub mod scenario;

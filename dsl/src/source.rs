@@ -30,6 +30,8 @@ pub struct Source {
     pub text: String,
 }
 
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
 /// All texts of one scenario; a [`Span`] points into them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Sources {
@@ -37,10 +39,26 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// Adds a text and returns its index.
+    /// Adds a text and returns its index; a byte order mark at its start is dropped.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> u32 {
-        self.texts.push(Source { name: name.into(), text: text.into() });
+        let mut text = text.into();
+        if text.starts_with(BYTE_ORDER_MARK) {
+            text.drain(..BYTE_ORDER_MARK.len_utf8());
+        }
+        self.texts.push(Source { name: name.into(), text });
         u32::try_from(self.texts.len() - 1).unwrap_or(u32::MAX)
+    }
+
+    /// The text with an index that [`Sources::add`] returned.
+    #[must_use]
+    pub fn text(&self, text: u32) -> &str {
+        &self.texts[text as usize].text
+    }
+
+    /// What diagnostics call the text with an index that [`Sources::add`] returned.
+    #[must_use]
+    pub fn name(&self, text: u32) -> &str {
+        &self.texts[text as usize].name
     }
 
     /// The text that a span lies in.

@@ -1,0 +1,151 @@
+//! From a failed match to a message: first the mistakes that have a name, then what was expected and what was found.
+
+use pest::error::{Error, ErrorVariant};
+
+use super::failure::{Failure, Place};
+use super::grammar::Rule;
+use super::wording::is_reserved;
+use super::{lines, mistakes, scan};
+use crate::diagnostic::Diagnostic;
+use crate::nearest::nearest;
+
+/// An error, and where parsing goes on.
+pub(super) struct Explained {
+    /// The error.
+    pub diagnostic: Diagnostic,
+    /// A byte after which a statement may begin.
+    pub resume: usize,
+}
+
+/// Says what is wrong where a match of statements failed.
+pub(super) fn statements(place: &Place<'_>, error: &Error<Rule>) -> Explained {
+    let failure = place.failure(error);
+    if let ErrorVariant::CustomError { .. } = error.variant {
+        // The only error that pest words itself: its stack ran out.
+        return Explained { diagnostic: scan::nested_too_deeply(failure.span()), resume: place.blanked.len() };
+    }
+    if let Some((diagnostic, resume)) = mistakes::unclosed(&failure) {
+        return Explained { diagnostic, resume };
+    }
+    let diagnostic = mistakes::known(&failure).unwrap_or_else(|| unexpected(&failure));
+    Explained { diagnostic, resume: lines::next_statement(place.blanked, failure.at) }
+}
+
+/// Says what is wrong with an assignment of the command line.
+pub(super) fn assignment(place: &Place<'_>, error: &Error<Rule>) -> Diagnostic {
+    let failure = place.failure(error);
+    if let ErrorVariant::CustomError { .. } = error.variant {
+        return scan::nested_too_deeply(failure.span());
+    }
+    let example = "an assignment looks like `gust = 6 m/s`";
+    Diagnostic::error("E00", failure.span(), expected_and_found(&failure)).help(example)
+}
+
+fn unexpected(failure: &Failure<'_>) -> Diagnostic {
+    let model = failure.begun();
+    let looks = format!("{} looks like {}", model.called, model.example);
+    let help = match meant(failure) {
+        Some(meant) => format!("did you mean `{meant}`? {looks}"),
+        None => looks,
+    };
+    Diagnostic::error("E00", failure.span(), expected_and_found(failure)).help(help)
+}
+
+/// The word of the language that was probably meant by the word found, or by the one before it.
+fn meant(failure: &Failure<'_>) -> Option<&'static str> {
+    const BEFORE_VALUES: [&str; 8] = ["always", "eventually", "hold", "not", "and", "or", "implies", "until"];
+    let expected = WORDS.into_iter().filter(|word| failure.expects(word));
+    let (found, previous) = (failure.found(), failure.previous());
+    nearest(found, expected).filter(|meant| *meant != found).or_else(|| {
+        let misspelt = failure.expects("*") && !is_reserved(previous) && !found.is_empty();
+        nearest(previous, BEFORE_VALUES).filter(|_| misspelt)
+    })
+}
+
+fn expected_and_found(failure: &Failure<'_>) -> String {
+    let previous = failure.previous();
+    let after = if previous.is_empty() { String::new() } else { format!(" after `{previous}`") };
+    format!("expected {}{after}, found {}", expected(failure), found(failure))
+}
+
+/// What was found, as words.
+pub(super) fn found(failure: &Failure<'_>) -> String {
+    if let Some(c) = failure.found().chars().next().filter(|c| c.is_whitespace() || c.is_control()) {
+        return format!("the invisible character U+{:04X}", u32::from(c));
+    }
+    match failure.found() {
+        "" if failure.rest().trim().is_empty() && !failure.rest().contains('\n') => "the end".to_owned(),
+        "" => "the end of the line".to_owned(),
+        token => format!("`{token}`"),
+    }
+}
+
+fn expected(failure: &Failure<'_>) -> String {
+    if failure.expects("scenario") {
+        return "a statement".to_owned();
+    }
+    if failure.expects_value() {
+        return value(failure).to_owned();
+    }
+    if failure.before().ends_with('.') {
+        return "a name".to_owned();
+    }
+    let structure = structure(failure);
+    if structure == [","] && failure.expects("\n") {
+        return "`,` or the end of the line".to_owned();
+    }
+    if !structure.is_empty() {
+        return any_of(&structure);
+    }
+    if failure.expects_name() {
+        let port = matches!(failure.previous(), "->" | "=>" | "set" | "fault" | "record" | ",");
+        return if port { "a port" } else { "a name" }.to_owned();
+    }
+    if failure.expects("*") { "an operator or the end of the line" } else { "the end of the line" }.to_owned()
+}
+
+/// What kind of value could have come.
+fn value(failure: &Failure<'_>) -> &'static str {
+    let statement = lines::first_word(failure.before());
+    match failure.previous() {
+        "step" | "stop" | "at" | "every" | "lasting" | "held" | "within" | "after" => "a time",
+        "for" if failure.before().contains("hold") => "a time",
+        ":" => "a claim",
+        "when" | "while" | "and" | "or" | "not" | "implies" | "until" | "always" | "eventually" => "a condition",
+        _ if failure.expects("..") && statement == "assert" => "a condition",
+        _ => "a value",
+    }
+}
+
+/// The words that may follow a value.
+const WORDS: [&str; 15] = [
+    "for", "in", "as", "held", "lasting", "on", "every", "set", "fault", "within", "after", "and", "or", "implies",
+    "until",
+];
+
+/// The brackets, signs and words of the statement that could have come; operators go without saying.
+fn structure(failure: &Failure<'_>) -> Vec<&'static str> {
+    const SIGNS: [&str; 11] = ["->", "=>", "=", ":", "~", "{", "}", ")", "]", ",", "\""];
+    let is_operator = |word: &str| match word {
+        "as" | "and" | "or" | "implies" | "until" => true,
+        "in" => failure.expects("as"),
+        _ => false,
+    };
+    let words = WORDS.into_iter().filter(|word| !is_operator(word));
+    SIGNS.into_iter().chain(words).filter(|token| failure.expects(token)).collect()
+}
+
+fn any_of(tokens: &[&'static str]) -> String {
+    let worded: Vec<_> = tokens
+        .iter()
+        .map(|token| match *token {
+            "\"" => "a text in double quotes".to_owned(),
+            token => format!("`{token}`"),
+        })
+        .collect();
+    match worded.as_slice() {
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} or {last}", first.join(", ")),
+        [] => String::new(),
+    }
+}

@@ -1,0 +1,93 @@
+//! Where statements begin: what recovery after a syntax error, and the line that an error names, go by.
+
+use super::wording::is_statement_word;
+use crate::source::Span;
+
+/// A span from byte positions.
+pub(super) fn span(text: u32, start: usize, end: usize) -> Span {
+    let narrow = |position: usize| u32::try_from(position).unwrap_or(u32::MAX);
+    Span { text, start: narrow(start), end: narrow(end) }
+}
+
+/// The word that a text begins with, after blanks; empty if there is none.
+pub(super) fn first_word(text: &str) -> &str {
+    let text = text.trim_start_matches([' ', '\t']);
+    let end = text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(text.len());
+    &text[..end]
+}
+
+/// Whether a line begins with a statement word that is not a key of braces (`step = 1`).
+pub(super) fn first_word_begins_statement(line: &str) -> bool {
+    let word = first_word(line);
+    let after = line.trim_start_matches([' ', '\t'])[word.len()..].trim_start_matches([' ', '\t']);
+    let is_key = after.starts_with(['.', '[']) || (after.starts_with('=') && !after.starts_with("=>"));
+    is_statement_word(word) && !is_key
+}
+
+/// Whether the text of a line goes on with the statement of the line before.
+pub(super) fn continues(next: &str) -> bool {
+    matches!(first_word(next), "and" | "or" | "implies" | "until") || next.starts_with("->") || next.starts_with("=>")
+}
+
+/// Whether a line holds an arrow, outside quotes, that does not begin it.
+fn holds_arrow(line: &str) -> bool {
+    let line = line.trim_start();
+    let mut quote = None;
+    for (at, c) in line.char_indices() {
+        match quote {
+            Some(open) if open == c => quote = None,
+            Some(_) => {}
+            None if c == '"' || c == '\'' => quote = Some(c),
+            None if at > 0 && (line[at..].starts_with("->") || line[at..].starts_with("=>")) => return true,
+            None => {}
+        }
+    }
+    false
+}
+
+/// Whether a statement begins on a line.
+fn begins_statement(line: &str) -> bool {
+    first_word_begins_statement(line) || holds_arrow(line)
+}
+
+/// A text that ends in a line break, without it.
+pub(super) fn without_line_break(text: &str) -> Option<&str> {
+    text.strip_suffix("\r\n").or_else(|| text.strip_suffix(['\n', '\r']))
+}
+
+/// The first byte of the line that a position lies in.
+pub(super) fn line_start(text: &str, at: usize) -> usize {
+    text[..at].rfind(['\n', '\r']).map_or(0, |line_break| line_break + 1)
+}
+
+/// One past the last byte of the line that a position lies in, without its line break.
+pub(super) fn line_end(text: &str, at: usize) -> usize {
+    text[at..].find(['\n', '\r']).map_or(text.len(), |length| at + length)
+}
+
+/// The first byte of the statement that a position lies in, not before `from`.
+pub(super) fn statement_start(text: &str, from: usize, at: usize) -> usize {
+    let mut start = line_start(text, at).max(from);
+    while start > from && !begins_statement(&text[start..line_end(text, start)]) {
+        start = line_start(text, start - 1).max(from);
+    }
+    start + blanks(&text[start..at])
+}
+
+/// The first line after a position on which a statement begins.
+pub(super) fn next_statement(text: &str, at: usize) -> usize {
+    let mut start = line_end(text, at);
+    while start < text.len() {
+        start += 1;
+        let end = line_end(text, start);
+        if begins_statement(&text[start..end]) {
+            return start;
+        }
+        start = end;
+    }
+    text.len()
+}
+
+fn blanks(text: &str) -> usize {
+    text.len() - text.trim_start().len()
+}

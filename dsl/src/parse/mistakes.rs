@@ -1,0 +1,281 @@
+//! The mistakes that have a name: each with its own message and fix.
+
+use super::failure::{Failure, closing, token};
+use super::wording::{is_reserved, is_statement_word, model_of, statement_words};
+use super::{explain, lines};
+use crate::diagnostic::Diagnostic;
+use crate::nearest::nearest;
+
+/// The mistake that was made, if it is a known one.
+pub(super) fn known(failure: &Failure<'_>) -> Option<Diagnostic> {
+    [
+        open_quote,
+        connection_ends_in_value,
+        connection_without_source,
+        lonely_bracket,
+        foreign_symbol,
+        arrow_to_the_left,
+        assignment_for_comparison,
+        parted_digits,
+        loose_dot,
+        actions_without_braces,
+        second_statement,
+        reserved_name,
+        odd_name,
+        text_without_quotes,
+        no_statement,
+    ]
+    .iter()
+    .find_map(|mistake| mistake(failure))
+}
+
+fn error(failure: &Failure<'_>, message: impl Into<String>) -> Diagnostic {
+    Diagnostic::error("E00", failure.span(), message)
+}
+
+/// A bracket that is still open where a line, the text or an outer bracket ends, and where parsing goes on.
+pub(super) fn unclosed(failure: &Failure<'_>) -> Option<(Diagnostic, usize)> {
+    let text = failure.blanked;
+    let open = failure.open_brackets();
+    let (opened, bracket) = *open.last()?;
+    let closing = closing(bracket);
+    let diagnostic = Diagnostic::error("E00", failure.span_of(opened, 1), format!("this `{bracket}` is never closed"))
+        .help(format!("write the missing `{closing}`"));
+    let found = failure.found();
+    let broken_off = found.is_empty() && (bracket != '{' || failure.expects("}"));
+    let other_closed = closes(found, &open) && !found.starts_with(closing);
+    if broken_off || other_closed {
+        let label = format!("expected `{closing}` here at the latest");
+        return Some((diagnostic.label(failure.span(), label), lines::next_statement(text, failure.at)));
+    }
+    // A statement word in the braces of an fmu line was taken for a key.
+    let line = lines::line_start(text, failure.at);
+    let first = &text[line..lines::line_end(text, line)];
+    let word = lines::first_word(first);
+    if opened > line || bracket != '{' || !lines::first_word_begins_statement(first) {
+        return None;
+    }
+    if lines::first_word(&text[lines::line_start(text, opened)..]) == "for" {
+        return None;
+    }
+    let place = failure.span_of(line + first.len() - first.trim_start().len(), word.len());
+    Some((diagnostic.label(place, "the next statement begins here"), line))
+}
+
+/// Whether a closing bracket closes any of the open ones.
+fn closes(bracket: &str, open: &[(usize, char)]) -> bool {
+    open.iter().any(|(_, opening)| bracket.starts_with(closing(*opening)))
+}
+
+fn open_quote(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let found = failure.found();
+    let quote = found.chars().next().filter(|quote| matches!(quote, '"' | '\''))?;
+    let closed = found.len() > 1 && found.ends_with(quote);
+    let help = format!("write `{quote}` at its end; a text stands on one line");
+    (!closed).then(|| error(failure, format!("this `{quote}` is never closed")).help(help))
+}
+
+/// E13: `x => 3 m`
+fn connection_ends_in_value(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let arrow = failure.previous();
+    let value = failure.found();
+    let is_value =
+        value.starts_with(|c: char| c.is_ascii_digit() || "\"([-.".contains(c)) || matches!(value, "true" | "false");
+    if !matches!(arrow, "->" | "=>") || !is_value {
+        return None;
+    }
+    let line = failure.line();
+    let span = failure.span_of(failure.statement, line.len());
+    let help = match arrow {
+        "=>" => format!("to compare write `{}`", line.replacen("=>", ">=", 1)),
+        _ => "a connection looks like `quad.state -> ctrl.state`; what is computed stands on its left".to_owned(),
+    };
+    let message = format!("`{line}` is a connection, and a connection ends in a port");
+    Some(Diagnostic::error("E13", span, message).help(help))
+}
+
+fn connection_without_source(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let arrow = failure.found();
+    if !matches!(arrow, "->" | "=>") || !failure.before().is_empty() {
+        return None;
+    }
+    let message = format!("this connection has no source: nothing stands before `{arrow}`");
+    Some(error(failure, message).help("a connection looks like `quad.state -> ctrl.state`"))
+}
+
+fn lonely_bracket(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let bracket = failure.found();
+    if !matches!(bracket, ")" | "]" | "}") || closes(bracket, &failure.open_brackets()) {
+        return None;
+    }
+    Some(error(failure, format!("this `{bracket}` closes nothing")).help("drop it, or open the bracket before"))
+}
+
+/// Signs of other languages.
+fn foreign_symbol(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let found = failure.found();
+    let help = match found {
+        ";" => "a statement ends with its line: drop the `;`",
+        "//" => "a comment begins with `#`",
+        "&&" | "&" => "write `and`",
+        "||" | "|" => "write `or`",
+        "!" => "write `not`",
+        "≥" => "write `>=`",
+        "≤" => "write `<=`",
+        "≠" => "write `!=`",
+        ":=" => "write `=`",
+        "-->" => "write `->`",
+        "==>" => "write `=>`",
+        "^" | "**" => "a power of a unit has no blanks, `m/s^2`; a power of a value is a product, `x * x`",
+        "=>" if !failure.expects("->") && failure.expects("<=") => "to compare write `>=`",
+        _ => return None,
+    };
+    Some(error(failure, format!("`{found}` is no sign that can stand here")).help(help))
+}
+
+/// `a.u <- b.y`, which reads as `a.u < -b.y`.
+fn arrow_to_the_left(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let arrow = failure.before().find("<-").filter(|_| failure.expects("->"))?;
+    let span = failure.span_of(failure.at - failure.before().len() + arrow, 2);
+    let help = "turn the connection: `quad.state -> ctrl.state`";
+    Some(Diagnostic::error("E00", span, "arrows point to the right").help(help))
+}
+
+fn assignment_for_comparison(failure: &Failure<'_>) -> Option<Diagnostic> {
+    if failure.found() != "=" || !failure.expects("==") || failure.expects("->") || failure.expects("]") {
+        return None;
+    }
+    Some(error(failure, "`=` gives a value, it does not compare").help("to compare write `==`"))
+}
+
+/// `1_000`
+fn parted_digits(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let found = failure.found();
+    if !found.contains('_') || !found.starts_with(|c: char| c.is_ascii_digit()) {
+        return None;
+    }
+    let help = format!("the digits of a number stand together: `{}`", found.replace('_', ""));
+    Some(error(failure, format!("`{found}` is no number")).help(help))
+}
+
+/// `.5`, `5.`
+fn loose_dot(failure: &Failure<'_>) -> Option<Diagnostic> {
+    if failure.found() != "." {
+        return None;
+    }
+    let digits = |text: &str| text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
+    let after = &failure.rest()[1..];
+    let fraction = &after[..digits(after)];
+    if failure.expects_value() && !fraction.is_empty() {
+        let message = "a number begins with a digit".to_owned();
+        let span = failure.span_of(failure.at, 1 + fraction.len());
+        return Some(Diagnostic::error("E00", span, message).help(format!("write `0.{fraction}`")));
+    }
+    let number = failure.previous();
+    if !failure.before().ends_with(|c: char| c.is_ascii_digit()) || !number.starts_with(|c: char| c.is_ascii_digit()) {
+        return None;
+    }
+    let help = if number.contains('.') {
+        "a number has one decimal point".to_owned()
+    } else {
+        format!("write `{number}` or `{number}.0`")
+    };
+    Some(error(failure, format!("`{number}.{fraction}` is no number")).help(help))
+}
+
+fn actions_without_braces(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let action = failure.found();
+    if !matches!(action, "set" | "fault") || !failure.expects("{") {
+        return None;
+    }
+    let message = format!("`{action}` stands in braces");
+    Some(error(failure, message).help(format!("write {}", failure.begun().example)))
+}
+
+/// `step 5 ms stop 90 s`
+fn second_statement(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let word = failure.found();
+    if !is_statement_word(word) || failure.expects_name() || failure.expects_value() || failure.before().is_empty() {
+        return None;
+    }
+    let message = format!("expected the end of the line after `{}`, found `{word}`", failure.previous());
+    Some(error(failure, message).help("each statement stands on a line of its own"))
+}
+
+fn reserved_name(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let word = failure.found();
+    if !failure.expects_name() || !is_reserved(word) || failure.before().is_empty() {
+        return None;
+    }
+    let message = format!("`{word}` belongs to the language and cannot be a name here");
+    Some(error(failure, message).help(format!("take another name, for example `{word}_1`; after a dot it is free")))
+}
+
+fn odd_name(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let word = failure.found();
+    if word.is_ascii() || !word.starts_with(|c: char| c == '_' || c.is_alphanumeric()) {
+        return None;
+    }
+    let help = "names are made of the letters a to z and A to Z, digits and `_`; other names of a unit's variables stand in \
+        single quotes, `plant.'größe'`";
+    Some(error(failure, format!("`{word}` is no name")).help(help))
+}
+
+fn text_without_quotes(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let found = failure.found();
+    let only_text = failure.expects("\"") && failure.expected.len() == 1;
+    if found.is_empty() || !(only_text || (failure.expects("\"") && found.starts_with('\''))) {
+        return None;
+    }
+    let bare = found.trim_matches('\'');
+    let (previous, found) = (failure.previous(), explain::found(failure));
+    let message = format!("expected a text in double quotes after `{previous}`, found {found}");
+    let is_name = bare.starts_with(|c: char| c == '_' || c.is_alphanumeric());
+    let model = failure.begun();
+    let help =
+        if is_name { format!("write `\"{bare}\"`") } else { format!("{} looks like {}", model.called, model.example) };
+    Some(error(failure, message).help(help))
+}
+
+/// A line that begins with no statement word and holds no arrow.
+fn no_statement(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let line = &failure.blanked[failure.statement..];
+    let word = token(line);
+    let written_as_statement = failure.expects("->") || failure.before().is_empty() || failure.at == failure.statement;
+    if is_statement_word(word)
+        || !written_as_statement
+        || !word.starts_with(|c: char| c == '_' || c.is_ascii_alphanumeric())
+    {
+        return None;
+    }
+    let at_word = |message: String| Diagnostic::error("E00", failure.span_of(failure.statement, word.len()), message);
+    if matches!(word, "set" | "fault") {
+        let message = format!("`{word}` stands in the braces of `at`, `when` or `while`");
+        return Some(
+            at_word(message).help(format!("write {}", model_of(if word == "set" { "at" } else { "while" }).example)),
+        );
+    }
+    let path_alone = failure.before().trim_end() == word;
+    if failure.found() == "=" {
+        let help = if path_alone {
+            format!("to name a value write `let {word} = …`; `param {word} = …` lets the command line change it")
+        } else {
+            "a unit's parameter is set in the braces of its fmu line, and during the run by `set` in an at block"
+                .to_owned()
+        };
+        return Some(error(failure, "a statement does not begin with a value that is set").help(help));
+    }
+    let message = format!("`{word}` begins no statement");
+    let is_path = line[word.len()..].starts_with(['.', '[', '(']);
+    if let Some(meant) = nearest(word, statement_words()).filter(|_| !is_path) {
+        let model = model_of(meant);
+        return Some(
+            at_word(message).help(format!("did you mean `{meant}`? {} looks like {}", model.called, model.example)),
+        );
+    }
+    let found = explain::found(failure);
+    let message = format!("expected `->` or `=>` after `{}`, found {found}", failure.previous());
+    let words = statement_words().collect::<Vec<_>>().join(" ");
+    let help = format!("a connection looks like `quad.state -> ctrl.state`; the other statements begin with {words}");
+    (!failure.before().is_empty()).then(|| error(failure, message).help(help))
+}

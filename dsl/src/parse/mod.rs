@@ -1,0 +1,130 @@
+//! Text to syntax tree, or to what is wrong with the text.
+//!
+//! ```text
+//! text --scan--> blanked text --grammar--> pairs --tree--> syntax::File
+//!                                   |error
+//!                                   +--explain--> Diagnostic, on with the next line that begins a statement
+//! ```
+
+mod explain;
+mod expressions;
+mod failure;
+mod grammar;
+mod lines;
+mod mistakes;
+mod scan;
+mod tree;
+mod wording;
+
+use std::thread;
+
+use failure::Place;
+use grammar::{Grammar, Rule};
+use pest::Parser;
+use pest::iterators::Pair;
+
+use crate::diagnostic::Diagnostic;
+use crate::source::Sources;
+use crate::syntax::{Binding, File};
+
+/// A text, read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Parsed {
+    /// The tree; without statements if any diagnostic is there, because half a script would bring errors that the
+    /// whole one does not have.
+    pub file: File,
+    /// Every syntax error, in the text's order.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Parses one text of `sources`, a whole file.
+#[must_use]
+pub fn parse(sources: &Sources, text: u32) -> Parsed {
+    let source = sources.text(text);
+    with_stack(|| {
+        let scan::Scanned { text: blanked, mut diagnostics } = scan::scan(source, text);
+        let mut file = File::default();
+        let mut failure = match match_rule(Rule::file, &blanked) {
+            Ok(pair) => {
+                let mut walk = tree::Walk::new(source, text);
+                file.statements = walk.statements(pair);
+                diagnostics.append(&mut walk.diagnostics);
+                None
+            }
+            Err(error) => Some((0, error)),
+        };
+        while let Some((from, error)) = failure {
+            let explained = explain::statements(&Place { blanked: &blanked, text, from }, &error);
+            diagnostics.push(explained.diagnostic);
+            failure = next_failure(&blanked, explained.resume).map(|error| (explained.resume, error));
+        }
+        finish(file, diagnostics)
+    })
+}
+
+/// The first error after a byte, sought in a window that grows: pest's own search for an error's line runs from the end
+/// of the text that it is given, which for many errors in a long text would take time by the square.
+fn next_failure(blanked: &str, from: usize) -> Option<Box<pest::error::Error<Rule>>> {
+    const FIRST_WINDOW_BYTES: usize = 4096;
+    let mut window_bytes = FIRST_WINDOW_BYTES;
+    loop {
+        let end = lines::line_end(blanked, blanked.floor_char_boundary(from + window_bytes));
+        let matched = match_rule(Rule::rest, &blanked[from..end]);
+        let last_line = lines::line_start(blanked, end).saturating_sub(from);
+        match matched {
+            Ok(_) if end == blanked.len() => return None,
+            Err(error) if end == blanked.len() || failure::position(&error) < last_line => return Some(error),
+            _ => window_bytes *= 4,
+        }
+    }
+}
+
+fn finish(file: File, mut diagnostics: Vec<Diagnostic>) -> Parsed {
+    diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span));
+    let file = if diagnostics.is_empty() { file } else { File::default() };
+    Parsed { file, diagnostics }
+}
+
+/// Parses one text of `sources`, an assignment of the command line such as `gust = 6 m/s`.
+///
+/// # Errors
+///
+/// What is wrong with the text.
+pub fn parse_assignment(sources: &Sources, text: u32) -> Result<Binding, Vec<Diagnostic>> {
+    let source = sources.text(text);
+    with_stack(|| {
+        let scan::Scanned { text: blanked, mut diagnostics } = scan::scan(source, text);
+        let mut walk = tree::Walk::new(source, text);
+        let binding = match match_rule(Rule::assignment, &blanked) {
+            Ok(pair) => Ok(walk.binding(pair)),
+            Err(error) => Err(explain::assignment(&Place { blanked: &blanked, text, from: 0 }, &error)),
+        };
+        diagnostics.append(&mut walk.diagnostics);
+        match binding {
+            Ok(binding) if diagnostics.is_empty() => Ok(binding),
+            Ok(_) => Err(diagnostics),
+            Err(error) if diagnostics.is_empty() => Err(vec![error]),
+            Err(_) => Err(diagnostics),
+        }
+    })
+}
+
+/// The one pair of a rule that spans a whole text.
+fn match_rule(rule: Rule, text: &str) -> Result<Pair<'_, Rule>, Box<pest::error::Error<Rule>>> {
+    // Without it pest tells which rule failed, but not how far it came.
+    pest::set_error_detail(true);
+    Grammar::parse(rule, text).map_err(Box::new).map(tree::only)
+}
+
+/// Does work with a stack that carries the deepest nesting allowed, whatever the caller's stack.
+fn with_stack<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+    const STACK_BYTES: usize = 64 << 20;
+    thread::scope(|scope| {
+        let parser = thread::Builder::new().name("parse".to_owned()).stack_size(STACK_BYTES);
+        match parser.spawn_scoped(scope, work).map(thread::ScopedJoinHandle::join) {
+            Ok(Ok(result)) => result,
+            Ok(Err(panic)) => std::panic::resume_unwind(panic),
+            Err(error) => panic!("no thread to parse on: {error}"),
+        }
+    })
+}

@@ -1,0 +1,138 @@
+//! Any bytes at all: nothing panics, nothing takes long, and every place lies in the text.
+
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use dsl::parse::{parse, parse_assignment};
+use dsl::source::Sources;
+use proptest::prelude::*;
+
+/// The target for foreign bytes.
+fn survives(bytes: &[u8]) {
+    let mut sources = Sources::default();
+    let text = sources.add("foreign.scn", String::from_utf8_lossy(bytes));
+    let parsed = parse(&sources, text);
+    let places = parsed.diagnostics.iter().flat_map(|diagnostic| &diagnostic.labels).map(|label| label.span);
+    for span in places.chain(parsed.file.statements.iter().map(|statement| statement.span)) {
+        let (start, end) = (span.start as usize, span.end as usize);
+        assert!(sources.text(text).get(start..end).is_some(), "{start}..{end} is no place in the text");
+    }
+    let shown = dsl::diagnostic::render(&sources, &parsed.diagnostics, false);
+    assert_eq!(shown.is_empty(), parsed.diagnostics.is_empty());
+    if let Err(diagnostics) = parse_assignment(&sources, text) {
+        assert!(!diagnostics.is_empty(), "refused without a word");
+    }
+}
+
+fn corpus() -> Vec<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/parse");
+    let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("the corpus: {error}"));
+    let mut files: Vec<_> = entries.flatten().map(|entry| entry.path()).collect();
+    files.sort();
+    files.iter().map(|file| fs::read(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))).collect()
+}
+
+#[test]
+fn every_file_of_the_corpus_is_survived() {
+    let corpus = corpus();
+    assert!(corpus.len() > 4, "the corpus is there");
+    corpus.iter().for_each(|bytes| survives(bytes));
+}
+
+#[test]
+fn every_beginning_of_a_good_script_is_survived() {
+    let script = include_str!("../../corpus/parse/formation.scn");
+    for end in (0..script.len()).filter(|end| script.is_char_boundary(*end)) {
+        survives(&script.as_bytes()[..end]);
+    }
+}
+
+/// One change of a script: what is cut out, and what is put in its place.
+fn change() -> impl Strategy<Value = (prop::sample::Index, usize, String)> {
+    let signs = prop::sample::select(vec![
+        "(", ")", "[", "]", "{", "}", "\"", "'", "#", "\n", "\r", "\t", "-", "->", "=>", "=", ",", ":", ".", "..", "~",
+        "*", "±", "°", "é", "\u{0}", "\u{feff}", "not ", "always ", "until ", "implies ", "for ", "step ", "1e", "- 1",
+    ]);
+    (any::<prop::sample::Index>(), 0_usize..20, prop_oneof![signs.prop_map(str::to_owned), ".{0,4}"])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn changed_scripts_are_survived(
+        file in any::<prop::sample::Index>(),
+        changes in prop::collection::vec(change(), 1..6),
+    ) {
+        let mut bytes = file.get(&corpus()).clone();
+        for (at, length, text) in changes {
+            let at = at.index(bytes.len() + 1);
+            let end = (at + length).min(bytes.len());
+            bytes.splice(at..end, text.into_bytes());
+        }
+        survives(&bytes);
+    }
+
+    #[test]
+    fn any_bytes_are_survived(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        survives(&bytes);
+    }
+}
+
+/// Fails if a script takes longer than a text of its length may, with a wide margin for a busy machine.
+fn takes_at_most(limit: Duration, script: &str) {
+    let start = Instant::now();
+    survives(script.as_bytes());
+    assert!(start.elapsed() < limit, "{:?} for {} bytes", start.elapsed(), script.len());
+}
+
+#[test]
+fn nesting_costs_no_more_than_length() {
+    for (open, close) in [("(", ")"), ("[", "]"), ("max(1, ", ")"), ("not (", ")"), ("-(", ")"), ("a[", "]")] {
+        let inside = open.repeat(120) + "1" + &close.repeat(120);
+        takes_at_most(Duration::from_secs(5), &format!("let a = {inside}\n"));
+        takes_at_most(Duration::from_secs(5), &format!("let a = {}1\n", open.repeat(120)));
+    }
+    let deep = format!("let a = {}1{}\n", "(".repeat(200), ")".repeat(200));
+    assert_eq!(super::tree(&deep).statements.len(), 1);
+}
+
+#[test]
+fn chains_of_any_length_are_survived() {
+    for part in [
+        "1 + ",
+        "not ",
+        "- -",
+        "always ",
+        "a implies ",
+        "a until ",
+        "a and ",
+        "(",
+        "{",
+        "for i in 1..2 {\n",
+        "a\nimplies ",
+    ] {
+        survives(format!("let a = {}1\n", part.repeat(20_000)).as_bytes());
+        survives(part.repeat(20_000).as_bytes());
+    }
+}
+
+#[test]
+fn a_script_of_ten_thousand_lines_parses_quickly() {
+    let line = |i: usize| format!("assert c{i}: always (a[{i}].x > {i} m and b.y < [1, -2, 3] m/s * 2) # why\n");
+    let script: String = (0..10_000).map(line).collect();
+    let start = Instant::now();
+    assert_eq!(super::tree(&script).statements.len(), 10_000);
+    assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
+}
+
+#[test]
+fn ten_thousand_errors_are_found_quickly() {
+    let script = "let a 3\n".repeat(10_000);
+    let mut sources = Sources::default();
+    let text = sources.add("a.scn", script);
+    let start = Instant::now();
+    assert_eq!(parse(&sources, text).diagnostics.len(), 10_000);
+    assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
+}
