@@ -32,8 +32,6 @@ pub fn derive_enum(input: TokenStream) -> TokenStream {
     expand(parse_macro_input!(input as DeriveInput), enumeration::derive)
 }
 
-fn expand(
-    input: DeriveInput, derive: fn(&DeriveInput) -> syn::Result<proc_macro2::TokenStream>,
-) -> TokenStream {
+fn expand(input: DeriveInput, derive: fn(&DeriveInput) -> syn::Result<proc_macro2::TokenStream>) -> TokenStream {
     derive(&input).unwrap_or_else(|error| error.to_compile_error()).into()
 }

@@ -28,7 +28,9 @@ pub use statuses::{boolean_status, integer_status, real_status, status, string_s
 /// Makes a call on the instance behind the handle; without an instance there is nobody to tell.
 #[inline]
 unsafe fn enter(
-    component: Component, call: Call, work: impl FnOnce(&mut Instance) -> Result<Status, Refusal>,
+    component: Component,
+    call: Call,
+    work: impl FnOnce(&mut Instance) -> Result<Status, Refusal>,
 ) -> RawStatus {
     // SAFETY: the contract of this file.
     match unsafe { component.cast::<Instance>().as_mut() } {
@@ -73,7 +75,10 @@ pub fn version() -> *const c_char {
 
 /// `fmi2SetDebugLogging`: no categories at all means every one.
 pub unsafe fn set_debug_logging(
-    component: Component, on: c::Boolean, count: usize, categories: *const c::Str,
+    component: Component,
+    on: c::Boolean,
+    count: usize,
+    categories: *const c::Str,
 ) -> RawStatus {
     let work = |instance: &mut Instance| {
         let on = on != c::FALSE;
@@ -103,7 +108,10 @@ pub unsafe fn set_debug_logging(
 
 /// `fmi2SetupExperiment`; the units have no use for a tolerance.
 pub unsafe fn set_up_experiment(
-    component: Component, start_s: f64, stop_defined: c::Boolean, stop_s: f64,
+    component: Component,
+    start_s: f64,
+    stop_defined: c::Boolean,
+    stop_s: f64,
 ) -> RawStatus {
     let stop_s = (stop_defined != c::FALSE).then_some(stop_s);
     // SAFETY: the contract of this file.
@@ -170,7 +178,10 @@ pub unsafe fn get_integer(component: Component, references: *const u32, count: u
 
 /// `fmi2GetBoolean`
 pub unsafe fn get_boolean(
-    component: Component, references: *const u32, count: usize, value: *mut c::Boolean,
+    component: Component,
+    references: *const u32,
+    count: usize,
+    value: *mut c::Boolean,
 ) -> RawStatus {
     let work = |instance: &mut Instance| {
         // SAFETY: the contract of this file.
@@ -216,7 +227,10 @@ pub unsafe fn set_integer(component: Component, references: *const u32, count: u
 
 /// `fmi2SetBoolean`
 pub unsafe fn set_boolean(
-    component: Component, references: *const u32, count: usize, value: *const c::Boolean,
+    component: Component,
+    references: *const u32,
+    count: usize,
+    value: *const c::Boolean,
 ) -> RawStatus {
     let work = |instance: &mut Instance| {
         // SAFETY: the contract of this file.
@@ -229,7 +243,10 @@ pub unsafe fn set_boolean(
 
 /// `fmi2SetString`
 pub unsafe fn set_string(
-    component: Component, references: *const u32, count: usize, value: *const c::Str,
+    component: Component,
+    references: *const u32,
+    count: usize,
+    value: *const c::Str,
 ) -> RawStatus {
     let work = |instance: &mut Instance| {
         // SAFETY: the contract of this file.

@@ -6,12 +6,12 @@ use crate::log::Category;
 use crate::model::Model;
 use crate::slots::Slots;
 use crate::visitor::{Scalar, ScalarKind, Value};
+use fmi2::calls::{Call, Permission, State, permitted};
 use fmi2::description::{
     Causality, CoSimulation, DefaultExperiment, DisplayUnit, Initial, Item, Kind, LogCategory, ModelDescription,
-    ModelStructure, NamingConvention, Position, RealAttributes, RealVariable, SimpleType, TypeKind, UnitDefinition, Unknown,
-    Variability, Variable, write,
+    ModelStructure, NamingConvention, Position, RealAttributes, RealVariable, SimpleType, TypeKind, UnitDefinition,
+    Unknown, Variability, Variable, write,
 };
-use fmi2::calls::{Call, Permission, State, permitted};
 use fmi2::units;
 use sha2::{Digest, Sha256};
 
@@ -236,9 +236,7 @@ fn unknown(index: usize, dependencies: Vec<usize>) -> Unknown {
 }
 
 /// The scalars among the knowns that are named, alone or by their group.
-fn dependencies(
-    scalars: &[Scalar], of: &Scalar, names: &[String], known: impl Fn(&Scalar) -> bool,
-) -> Vec<usize> {
+fn dependencies(scalars: &[Scalar], of: &Scalar, names: &[String], known: impl Fn(&Scalar) -> bool) -> Vec<usize> {
     let is_named = |scalar: &Scalar, name: &str| {
         scalar.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
     };

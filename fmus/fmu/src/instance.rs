@@ -25,6 +25,7 @@ pub(crate) struct Instance {
     pub(crate) progress: Progress,
     /// After a panic nothing the unit holds can be trusted.
     poisoned: bool,
+    #[expect(clippy::vec_box, reason = "the address of a saved state is its handle")]
     pub(crate) saved: Vec<Box<Saved>>,
     /// The C text of each String, valid until it is asked for again.
     pub(crate) texts: Vec<CString>,
@@ -56,9 +57,7 @@ impl Instance {
     }
 
     /// Makes one call: asks the state table, keeps panics inside, logs what went wrong, moves on to the next state.
-    pub(crate) fn call(
-        &mut self, call: Call, work: impl FnOnce(&mut Self) -> Result<Status, Refusal>,
-    ) -> Status {
+    pub(crate) fn call(&mut self, call: Call, work: impl FnOnce(&mut Self) -> Result<Status, Refusal>) -> Status {
         let permission = self.permission(call);
         let answer = match permission {
             Permission::No => Err(self.why_not()),
@@ -85,6 +84,7 @@ impl Instance {
                 | Call::GetBoolean
                 | Call::GetString
                 | Call::SetDebugLogging
+                | Call::FreeFmuState
                 | Call::Reset
                 | Call::FreeInstance
         );
@@ -105,7 +105,8 @@ impl Instance {
     }
 
     fn warn_of(&self, call: Call) -> Status {
-        let message = format!("{}: not allowed in state `{}`, done all the same", call.name(), self.progress.state.name());
+        let message =
+            format!("{}: not allowed in state `{}`, done all the same", call.name(), self.progress.state.name());
         self.log.send(Status::Warning, &message);
         Status::Warning
     }
@@ -115,7 +116,7 @@ impl Instance {
         if self.progress.experiment.is_some() {
             return Err(Refusal::SetUpBefore);
         }
-        // Written so that NaN fails too.
+        // A stop time that is NaN fails too.
         if !start_s.is_finite() || !stop_s.is_none_or(|stop_s| stop_s >= start_s) {
             return Err(Refusal::Experiment { start_s, stop_s });
         }
@@ -189,8 +190,8 @@ impl Instance {
     fn start_of_step(&self, point_s: f64, length_s: f64) -> Result<Time, Refusal> {
         let expected_s = self.progress.now.as_s();
         let tolerance_s = TIME_TOLERANCE * expected_s.abs() + STEP_TOLERANCE * length_s;
-        // Written so that NaN fails too.
-        if !((point_s - expected_s).abs() <= tolerance_s) {
+        let distance_s = (point_s - expected_s).abs();
+        if distance_s.is_nan() || distance_s > tolerance_s {
             return Err(Refusal::CommunicationPoint { expected_s, found_s: point_s });
         }
         Ok(match self.progress.now {

@@ -33,7 +33,12 @@ impl Library {
     /// The library of this model.
     #[must_use]
     pub const fn of<M: Model>(package: Package) -> Self {
-        Self { package, make: || Box::new(M::at_start()), describe: describe::describe::<M>, described: OnceLock::new() }
+        Self {
+            package,
+            make: || Box::new(M::at_start()),
+            describe: describe::describe::<M>,
+            described: OnceLock::new(),
+        }
     }
 
     /// A unit at its start values.

@@ -81,7 +81,7 @@ impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotAllowed { state } => write!(f, "not allowed in state `{}`", state.name()),
-            Self::Poisoned => f.write_str("the unit panicked before; only get calls, reset and free are left"),
+            Self::Poisoned => f.write_str("the unit panicked before; it can be read, reset and freed"),
             Self::Panic { text } => write!(f, "the unit panicked, which is a defect of it: {text}"),
             Self::SetUpBefore => f.write_str("the experiment is set up already"),
             Self::NotSupported { capability } => write!(f, "the unit cannot do this, its {capability}"),

@@ -98,7 +98,10 @@ impl Slots {
                 self.reals.len() - 1
             }
             ScalarKind::Integer => {
-                #[expect(clippy::cast_possible_truncation, reason = "bounds of Integers were i32; without one it saturates")]
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    reason = "bounds of Integers were i32; without one it saturates"
+                )]
                 let access = IntegerAccess::Plain { min: min as i32, max: max as i32 };
                 self.integers.push(IntegerSlot { offset, access, settable, name });
                 self.integers.len() - 1

@@ -25,7 +25,10 @@ impl Time {
         let exact = seconds * 1e9;
         let nearest = exact.round();
         if (exact - nearest).abs() <= SNAP_NS && nearest.abs() <= LARGEST_NS {
-            #[expect(clippy::cast_possible_truncation, reason = "a whole number within the range was just made sure of")]
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "a whole number within the range was just made sure of"
+            )]
             return Self::Nanoseconds(nearest as i64);
         }
         Self::Seconds(seconds)

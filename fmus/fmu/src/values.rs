@@ -19,7 +19,9 @@ impl Instance {
     }
 
     pub(crate) fn get_integers(
-        &mut self, references: &[u32], values: &mut [MaybeUninit<i32>],
+        &mut self,
+        references: &[u32],
+        values: &mut [MaybeUninit<i32>],
     ) -> Result<Status, Refusal> {
         let status = self.refresh()?;
         check(references, "Integer", self.body.slots().integers.len())?;
@@ -30,7 +32,9 @@ impl Instance {
     }
 
     pub(crate) fn get_booleans(
-        &mut self, references: &[u32], values: &mut [MaybeUninit<c::Boolean>],
+        &mut self,
+        references: &[u32],
+        values: &mut [MaybeUninit<c::Boolean>],
     ) -> Result<Status, Refusal> {
         let status = self.refresh()?;
         check(references, "Boolean", self.body.slots().booleans.len())?;
@@ -42,7 +46,9 @@ impl Instance {
 
     /// The texts are valid until they are asked for again or the instance is freed.
     pub(crate) fn get_strings(
-        &mut self, references: &[u32], values: &mut [MaybeUninit<c::Str>],
+        &mut self,
+        references: &[u32],
+        values: &mut [MaybeUninit<c::Str>],
     ) -> Result<Status, Refusal> {
         let status = self.refresh()?;
         check(references, "String", self.body.slots().strings.len())?;

@@ -12,7 +12,11 @@ use std::ffi::{CStr, CString};
 ///
 /// Everything the importer hands over is copied. Resources are not used, so that their place may be null.
 pub unsafe fn instantiate(
-    library: &'static Library, name: c::Str, kind: c::FmuType, guid: c::Str, callbacks: *const CallbackFunctions,
+    library: &'static Library,
+    name: c::Str,
+    kind: c::FmuType,
+    guid: c::Str,
+    callbacks: *const CallbackFunctions,
     logging_on: c::Boolean,
 ) -> Component {
     // SAFETY: the contract of this file: callbacks and strings are null or valid during the call.
@@ -55,9 +59,9 @@ fn why_not(library: &Library, name: Option<&CStr>, kind: c::FmuType, guid: Optio
     }
     match given {
         None => Some("no GUID is given".to_owned()),
-        Some(given) if given != *own => {
-            Some(format!("the model description with GUID {given} does not belong to this library, whose GUID is {own}"))
-        }
+        Some(given) if given != *own => Some(format!(
+            "the model description with GUID {given} does not belong to this library, whose GUID is {own}"
+        )),
         Some(_) => None,
     }
 }

@@ -96,11 +96,15 @@ pub unsafe fn serialize_state(component: Component, handle: FmuState, buffer: *m
 
 /// `fmi2DeSerializeFMUstate`: always a new handle, as importers hand over places that hold nothing.
 pub unsafe fn deserialize_state(
-    component: Component, buffer: *const c_char, size: usize, handle: *mut FmuState,
+    component: Component,
+    buffer: *const c_char,
+    size: usize,
+    handle: *mut FmuState,
 ) -> RawStatus {
     let work = |instance: &mut Instance| {
         // SAFETY: the contract of this file.
-        let (bytes, handle) = unsafe { (values(buffer.cast::<u8>(), size, "serializedState")?, place(handle, "FMUstate")?) };
+        let (bytes, handle) =
+            unsafe { (values(buffer.cast::<u8>(), size, "serializedState")?, place(handle, "FMUstate")?) };
         let index = instance.read_bytes(bytes)?;
         *handle = instance.handle(index);
         Ok(Status::Ok)

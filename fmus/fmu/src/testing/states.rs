@@ -53,8 +53,8 @@ pub fn a_saved_state_goes_on_bit_for_bit(library: &'static Library) -> Result<()
     let fault = |fault: crate::model::Fault| broken(format!("the unit does not run with its start values: {fault}"));
     let unwritten = |error: postcard::Error| broken(format!("the state cannot be written and read: {error}"));
     subject.init().map_err(fault)?;
-    let run = |subject: &mut Subject, steps: std::ops::Range<u32>| {
-        steps.map(|n| subject.step(f64::from(n) * subject.step_s, subject.step_s)).collect::<Result<(), _>>()
+    let run = |subject: &mut Subject, mut steps: std::ops::Range<u32>| {
+        steps.try_for_each(|n| subject.step(f64::from(n) * subject.step_s, subject.step_s))
     };
     run(&mut subject, 0..STEPS).map_err(fault)?;
     let (written, kept) = (subject.bytes().map_err(unwritten)?, subject.save());

@@ -1,0 +1,6 @@
+//! What the compiler says about wrong attributes.
+
+#[test]
+fn mistakes_in_attributes_are_compile_errors_that_point_at_the_field() {
+    trybuild::TestCases::new().compile_fail("tests/ui/*.rs");
+}

@@ -1,0 +1,13 @@
+//! A unit is driven through its exported C functions, as an importer drives it.
+#![allow(unsafe_code, reason = "an importer calls C functions")]
+
+mod compile_errors;
+mod importer;
+mod instances;
+mod panics;
+mod planted;
+mod probe;
+mod states;
+mod time;
+mod values;
+mod walk;

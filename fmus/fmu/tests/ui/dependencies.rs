@@ -1,0 +1,18 @@
+//! Outputs that depend on what does not exist, or is computed itself.
+
+use fmu::Fmu;
+
+#[derive(Fmu)]
+struct Unit {
+    #[input(unit = "m")]
+    length: f64,
+    #[output(unit = "m", depends(lenght))]
+    unknown: f64,
+    #[output(unit = "m", depends(unknown))]
+    computed: f64,
+    #[output(unit = "m", depends(), init(depends(hidden)))]
+    on_hidden: f64,
+    hidden: f64,
+}
+
+fn main() {}
