@@ -2,11 +2,15 @@
 
 pub mod describe;
 pub mod diff;
+pub mod new;
 pub mod pack;
 pub mod plot;
 pub mod run;
 
+use crate::report;
+use crate::unit::describe::library_description;
 use clap::{Parser, Subcommand};
+use std::path::{Path, PathBuf};
 
 /// Runs scenarios of FMI 2.0 co-simulation units in lockstep and judges what their scripts claim.
 #[derive(Debug, Parser)]
@@ -21,11 +25,18 @@ enum Command {
     Run(run::Run),
     Describe(describe::Describe),
     Pack(pack::Pack),
+    New(new::New),
     Plot(plot::Plot),
     Diff(diff::Diff),
     /// What a run starts to hold the units; not for people
     #[command(hide = true)]
     StepLoop,
+    /// What packing starts to ask a library for its description; not for people
+    #[command(hide = true)]
+    DescribeLibrary {
+        /// The library
+        path: PathBuf,
+    },
 }
 
 impl Cli {
@@ -36,9 +47,25 @@ impl Cli {
             Command::Run(run) => run.run(),
             Command::Describe(describe) => describe.run(),
             Command::Pack(pack) => pack.run(),
+            Command::New(new) => new.run(),
             Command::Plot(plot) => plot.run(),
             Command::Diff(diff) => diff.run(),
             Command::StepLoop => crate::step_loop::run_child(),
+            Command::DescribeLibrary { path } => describe_library(&path),
+        }
+    }
+}
+
+/// Prints what a library says of itself.
+fn describe_library(path: &Path) -> u8 {
+    match library_description(path) {
+        Ok(description) => {
+            report::result(&description);
+            0
+        }
+        Err(reason) => {
+            report::status(&reason);
+            2
         }
     }
 }
@@ -57,6 +84,13 @@ mod tests {
     fn the_child_of_a_run_is_started_with_a_command_that_exists() {
         let started = Cli::try_parse_from(["lockstep", crate::supervise::SUBCOMMAND]).map(|cli| cli.command);
         assert!(matches!(started, Ok(Command::StepLoop)));
+    }
+
+    #[test]
+    fn a_library_is_asked_with_a_command_that_exists() {
+        let asked = ["lockstep", crate::unit::describe::SUBCOMMAND, "libtank.so"];
+        let asked = Cli::try_parse_from(asked).map(|cli| cli.command);
+        assert!(matches!(asked, Ok(Command::DescribeLibrary { .. })));
     }
 
     #[test]
