@@ -13,7 +13,7 @@ use crate::trace::run_folder::{RunFolder, SIGNALS_JSON, TRACE_CSV, VERDICT_JSON}
 use crate::trace::run_record::{Broken, RunState};
 use crate::trace::verdict::{Verdict, reason_text};
 use crate::trace::{TraceError, signals, tick_time_s};
-use preparation::{Preparation, Refusal};
+use preparation::Preparation;
 use std::path::PathBuf;
 use std::time::Duration;
 

@@ -7,8 +7,8 @@ use super::{TraceError, tick_time_s};
 use fmi2::description::BaseType;
 use std::io::{self, Write};
 
-/// Room for a comma and the longest number, 24 characters; a round size copies in two moves.
-const CELL_WIDTH: usize = 32;
+/// Room for the longest number.
+const LONGEST: usize = 24;
 /// The buffer is written when it holds this much.
 const PIECE: usize = 256 * 1024;
 
@@ -28,15 +28,14 @@ pub struct CsvWriter<W: Write> {
     step_ns: u64,
     cells: Vec<Cell>,
     buffer: Vec<u8>,
-    filled: usize,
 }
 
-/// The last slot of a column with its text.
+/// The last slot of a column with its text; before the first row a zero, which all types write alike.
 #[derive(Debug)]
 struct Cell {
     base_type: BaseType,
     slot: u64,
-    text: [u8; CELL_WIDTH],
+    text: [u8; LONGEST],
     length: usize,
 }
 
@@ -49,12 +48,11 @@ impl<W: Write> CsvWriter<W> {
             header.push_str(&quoted(&column.name));
         }
         header.push('\n');
-        let cells: Vec<Cell> = columns.iter().map(|column| Cell::new(column.base_type)).collect();
-        let widest_row = (columns.len() + 2) * CELL_WIDTH;
         let mut buffer = header.into_bytes();
-        let filled = buffer.len();
-        buffer.resize(filled.max(PIECE) + widest_row, 0);
-        Self { out, step_ns, cells, buffer, filled }
+        let widest_row = (columns.len() + 1) * (LONGEST + 1);
+        buffer.reserve(PIECE + widest_row);
+        let cells = columns.iter().map(|column| Cell::new(column.base_type)).collect();
+        Self { out, step_ns, cells, buffer }
     }
 
     /// Adds the row of a tick: one slot for each column, the bits of a Real, else the number widened.
@@ -63,21 +61,14 @@ impl<W: Write> CsvWriter<W> {
     /// What the writer says.
     pub fn row(&mut self, tick: u64, slots: &[u64]) -> io::Result<()> {
         assert_eq!(slots.len(), self.cells.len(), "a row has one slot for each column");
-        let mut at = self.filled;
-        let time = Cell::number(tick_time_s(tick, self.step_ns));
-        self.buffer[at..at + CELL_WIDTH].copy_from_slice(&time.0);
-        at += time.1;
+        let mut digits = zmij::Buffer::new();
+        self.buffer.extend_from_slice(real_text(&mut digits, tick_time_s(tick, self.step_ns)));
         for (cell, &slot) in self.cells.iter_mut().zip(slots) {
-            if cell.slot != slot {
-                cell.set(slot);
-            }
-            self.buffer[at] = b',';
-            self.buffer[at + 1..at + 1 + CELL_WIDTH].copy_from_slice(&cell.text);
-            at += 1 + cell.length;
+            self.buffer.push(b',');
+            cell.append(slot, &mut self.buffer);
         }
-        self.buffer[at] = b'\n';
-        self.filled = at + 1;
-        if self.filled >= PIECE { self.flush() } else { Ok(()) }
+        self.buffer.push(b'\n');
+        if self.buffer.len() >= PIECE { self.flush() } else { Ok(()) }
     }
 
     /// Writes what is there; the file then ends with a whole row.
@@ -85,8 +76,9 @@ impl<W: Write> CsvWriter<W> {
     /// # Errors
     /// What the writer says.
     pub fn flush(&mut self) -> io::Result<()> {
-        let filled = std::mem::take(&mut self.filled);
-        self.out.write_all(&self.buffer[..filled])
+        let written = self.out.write_all(&self.buffer);
+        self.buffer.clear();
+        written
     }
 
     /// Writes what is there and returns the writer.
@@ -101,43 +93,45 @@ impl<W: Write> CsvWriter<W> {
 
 impl Cell {
     fn new(base_type: BaseType) -> Self {
-        let mut cell = Self { base_type, slot: 0, text: [0; CELL_WIDTH], length: 0 };
-        cell.set(0);
-        cell
+        Self { base_type, slot: 0, text: [b'0'; LONGEST], length: 1 }
     }
 
-    /// Takes a slot and makes its text.
-    fn set(&mut self, slot: u64) {
+    /// Adds the text of a slot.
+    fn append(&mut self, slot: u64, buffer: &mut Vec<u8>) {
+        if self.slot == slot {
+            buffer.extend_from_slice(&self.text[..self.length]);
+            return;
+        }
         self.slot = slot;
-        (self.text, self.length) = match self.base_type {
-            BaseType::Real => Self::number(f64::from_bits(slot)),
-            BaseType::Boolean => Self::integer(i32::from(slot != 0)),
-            BaseType::Integer => Self::integer(slot as u32 as i32),
+        match self.base_type {
+            BaseType::Real => {
+                let mut digits = zmij::Buffer::new();
+                let text = real_text(&mut digits, f64::from_bits(slot));
+                // Not from the copy: reading what was only just stored is slow.
+                buffer.extend_from_slice(text);
+                self.text[..text.len()].copy_from_slice(text);
+                self.length = text.len();
+            }
+            BaseType::Boolean => self.append_integer(i32::from(slot != 0), buffer),
+            BaseType::Integer => self.append_integer(slot as u32 as i32, buffer),
             BaseType::String => unreachable!("the resolver admits no column of strings"),
-        };
+        }
     }
 
-    fn number(value: f64) -> ([u8; CELL_WIDTH], usize) {
-        let mut buffer = zmij::Buffer::new();
-        let text = buffer.format(value).as_bytes();
-        Self::padded(text.strip_suffix(b".0").unwrap_or(text))
+    fn append_integer(&mut self, value: i32, buffer: &mut Vec<u8>) {
+        let mut rest = &mut self.text[..];
+        if write!(rest, "{value}").is_err() {
+            unreachable!("an integer of 32 bits has at most 11 characters");
+        }
+        self.length = LONGEST - rest.len();
+        buffer.extend_from_slice(&self.text[..self.length]);
     }
+}
 
-    fn integer(value: i32) -> ([u8; CELL_WIDTH], usize) {
-        let mut text = [0; CELL_WIDTH];
-        let mut rest = &mut text[..];
-        let length = match write!(rest, "{value}") {
-            Ok(()) => CELL_WIDTH - rest.len(),
-            Err(_) => unreachable!("an integer of 32 bits has at most 11 characters"),
-        };
-        (text, length)
-    }
-
-    fn padded(text: &[u8]) -> ([u8; CELL_WIDTH], usize) {
-        let mut padded = [0; CELL_WIDTH];
-        padded[..text.len()].copy_from_slice(text);
-        (padded, text.len())
-    }
+/// The shortest decimal that reads back to the same bits, without `.0`.
+fn real_text(digits: &mut zmij::Buffer, value: f64) -> &[u8] {
+    let text = digits.format(value).as_bytes();
+    text.strip_suffix(b".0").unwrap_or(text)
 }
 
 /// A name as it stands in the header: quoted where a comma, a quote or a line break would mislead a reader.
