@@ -1,5 +1,6 @@
 //! A unit that changes its process while it is instantiated. It has this test's process for itself: the working
 //! directory belongs to all threads.
+#![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
 
 mod foreign;
 

@@ -62,6 +62,6 @@ impl ClaimNote {
 }
 
 fn copy(words: &[AtomicU64], count: u64) -> [&AtomicU64; COPY_WORDS] {
-    let at = COPIES_AT + if count % 2 == 0 { 0 } else { COPY_WORDS };
+    let at = COPIES_AT + if count.is_multiple_of(2) { 0 } else { COPY_WORDS };
     std::array::from_fn(|i| &words[at + i])
 }
