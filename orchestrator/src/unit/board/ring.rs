@@ -48,8 +48,7 @@ impl Place {
         let control = self.control(words);
         let fits = |tail: u64| head.wrapping_sub(tail).saturating_add(slots) <= self.capacity as u64;
         if fits(control[SEEN_AT].load(Ordering::Relaxed)) {
-            // The reader had come at least this far, so the slots are free; this orders our stores behind its loads.
-            std::sync::atomic::fence(Ordering::Acquire);
+            // Whoever wrote this had acquired the reader's position before.
             return true;
         }
         for attempt in 0_usize.. {
