@@ -14,10 +14,11 @@ use crate::message::{Finish, Message, Reason};
 use crate::plan::Plan;
 use crate::report::console::Console;
 use crate::report::progress::Progress;
+use crate::trace::TraceError;
 use crate::trace::csv::TraceFile;
 use crate::trace::verdict::{Finding, JudgedClaim, Judgement};
-use crate::trace::{TraceError, tick_time_s};
 use crate::unit::board::{Board, BoardLayout};
+use crate::wiring::seconds;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use std::io::{self, Write};
@@ -114,6 +115,7 @@ pub fn supervise<W: Write>(
     loop {
         // Asked before the rings are emptied: what it said before it ended is in them.
         let status = process.ended().map_err(start_error("look after the stepping process"))?;
+        let began = Instant::now();
         let busy = run.drain()?;
         if let Some(status) = status {
             return run.conclude(status);
@@ -123,7 +125,12 @@ pub fn supervise<W: Write>(
         }
         run.watch(&mut process);
         run.tell_progress();
-        thread::sleep(if busy { BUSY } else { IDLE });
+        if !busy {
+            thread::sleep(IDLE);
+        } else if began.elapsed() < BUSY {
+            // Otherwise more has come meanwhile, and the stepping process may be waiting for room.
+            thread::sleep(BUSY);
+        }
     }
 }
 
@@ -235,8 +242,8 @@ impl<'a, W: Write> Supervision<'a, W> {
         let (tick, board, wall_s) = (self.board.tick(), self.board, self.began.elapsed().as_secs_f64());
         let part = tick as f64 / scenario.stop_tick.max(1) as f64;
         self.console.progress(part, || Progress {
-            time_s: tick_time_s(tick, scenario.step_ns),
-            stop_s: tick_time_s(scenario.stop_tick, scenario.step_ns),
+            time_s: seconds(tick, scenario.step_ns),
+            stop_s: seconds(scenario.stop_tick, scenario.step_ns),
             wall_s,
             claims: standing_claims(board, self.plan),
         });

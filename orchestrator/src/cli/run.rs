@@ -12,7 +12,8 @@ use crate::trace::csv::TraceFile;
 use crate::trace::run_folder::{RunFolder, SIGNALS_JSON, TRACE_CSV, VERDICT_JSON};
 use crate::trace::run_record::{Broken, RunState};
 use crate::trace::verdict::{Verdict, reason_text};
-use crate::trace::{TraceError, signals, tick_time_s};
+use crate::trace::{TraceError, signals};
+use crate::wiring::seconds;
 use preparation::Preparation;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -117,7 +118,7 @@ impl Run {
         if let Some(failure) = &ended.failure {
             report::error(failure, failure.help().as_deref());
         }
-        let stop_s = tick_time_s(plan.scenario.stop_tick, plan.scenario.step_ns);
+        let stop_s = seconds(plan.scenario.stop_tick, plan.scenario.step_ns);
         self.tell(&script, stop_s, &ended, &verdict, &folder);
         Ok(exit_code::of(ended.interrupted, ended.failure.is_some(), verdict.count()))
     }

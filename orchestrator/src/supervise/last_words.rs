@@ -2,8 +2,9 @@
 
 use crate::failure::{Cause, Doing, Failure};
 use crate::message::LogMessage;
-use crate::trace::{shortest_decimal, tick_time_s};
+use crate::trace::shortest_decimal;
 use crate::unit::board::InCall;
+use crate::wiring::seconds;
 use dsl::scenario::Scenario;
 use fmi2::c::Status;
 use std::os::unix::process::ExitStatusExt;
@@ -11,7 +12,7 @@ use std::process::ExitStatus;
 
 /// A unit's message with instance and time.
 pub(super) fn log_line(said: &LogMessage, scenario: &Scenario) -> String {
-    let time = shortest_decimal(tick_time_s(said.tick, scenario.step_ns));
+    let time = shortest_decimal(seconds(said.tick, scenario.step_ns));
     let instance = said.instance.and_then(|instance| scenario.instances.get(instance));
     let name = instance.map_or("-", |instance| instance.name.as_str());
     let status = match Status::from_raw(said.status) {
@@ -28,7 +29,7 @@ pub(super) fn log_line(said: &LogMessage, scenario: &Scenario) -> String {
 
 /// The failure of a process that was in this call, or in none, when it happened.
 pub(super) fn failure(call: Option<InCall>, tick: u64, scenario: &Scenario, cause: Cause) -> Failure {
-    let time_s = |tick| Some(tick_time_s(tick, scenario.step_ns));
+    let time_s = |tick| Some(seconds(tick, scenario.step_ns));
     let Some(call) = call else {
         return Failure { instance: None, doing: Doing::BetweenCalls, time_s: time_s(tick), cause };
     };

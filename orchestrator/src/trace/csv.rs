@@ -3,7 +3,8 @@
 //! One buffer is filled and written in large pieces. A slot whose bits did not change keeps the text it had, so that
 //! what stands still costs a copy. The file is whole after each piece: every piece ends with a row.
 
-use super::{TraceError, tick_time_s};
+use super::TraceError;
+use crate::wiring::seconds;
 use fmi2::description::BaseType;
 use std::io::{self, Write};
 
@@ -62,7 +63,7 @@ impl<W: Write> CsvWriter<W> {
     pub fn row(&mut self, tick: u64, slots: &[u64]) -> io::Result<()> {
         assert_eq!(slots.len(), self.cells.len(), "a row has one slot for each column");
         let mut digits = zmij::Buffer::new();
-        self.buffer.extend_from_slice(real_text(&mut digits, tick_time_s(tick, self.step_ns)));
+        self.buffer.extend_from_slice(real_text(&mut digits, seconds(tick, self.step_ns)));
         for (cell, &slot) in self.cells.iter_mut().zip(slots) {
             self.buffer.push(b',');
             cell.append(slot, &mut self.buffer);

@@ -68,12 +68,6 @@ pub fn shortest_decimal(value: f64) -> String {
     text.strip_suffix(".0").unwrap_or(text).to_owned()
 }
 
-/// The time of a tick in seconds, as units receive it.
-#[must_use]
-pub fn tick_time_s(tick: u64, step_ns: u64) -> f64 {
-    (tick * step_ns) as f64 / 1e9
-}
-
 /// Values as the JSON files of a run write them: indented, a line break at the end.
 fn json_text(value: &impl serde::Serialize) -> String {
     match serde_json::to_string_pretty(value) {
@@ -96,11 +90,5 @@ mod tests {
         assert_eq!(texts[..5], ["0.1", "-0", "1", "5e-324", "1e+16"].map(String::from));
         assert_eq!(shortest_decimal(f64::NAN), "NaN");
         assert_eq!(shortest_decimal(f64::NEG_INFINITY), "-inf");
-    }
-
-    #[test]
-    fn the_time_of_a_tick_is_the_number_nearest_to_its_decimal() {
-        assert_eq!(tick_time_s(3, 5_000_000), 0.015);
-        assert_eq!(tick_time_s(1_234_567, 1_000_000), 1234.567);
     }
 }

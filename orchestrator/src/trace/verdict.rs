@@ -1,7 +1,7 @@
 //! `verdict.json`: the claims and how they came out, each with the margin by which it held or failed.
 
-use super::tick_time_s;
 use crate::message::Reason;
+use crate::wiring::seconds;
 use dsl::scenario::{Claim, Parameter, Scenario};
 use serde::Serialize;
 
@@ -89,7 +89,7 @@ impl Verdict {
             scenario: scenario.title.clone(),
             script: script.to_owned(),
             parameters: scenario.parameters.clone(),
-            time_s: tick_time_s(last_tick, scenario.step_ns),
+            time_s: seconds(last_tick, scenario.step_ns),
             end,
             claims: claims.map(|(claim, finding)| JudgedClaim::new(claim, finding, scenario.step_ns)).collect(),
         }
@@ -135,7 +135,7 @@ impl JudgedClaim {
             verdict: finding.judgement,
             margin,
             unit: claim.unit.as_ref().filter(|unit| !unit.name.is_empty()).map(|unit| unit.name.clone()),
-            at_s: judged.then(|| tick_time_s(finding.worst_tick, step_ns)),
+            at_s: judged.then(|| seconds(finding.worst_tick, step_ns)),
             claim: claim.text.clone(),
             line: claim.line,
             limit,
