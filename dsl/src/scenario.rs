@@ -221,7 +221,6 @@ impl Function {
             let rest = arguments.iter().skip(1);
             rest.fold(first, |best, &x| if x.is_nan() || better(x, best) { x } else { best })
         };
-        #[expect(clippy::cast_precision_loss, reason = "a script writes far fewer arguments than 2^53")]
         let count = arguments.len() as f64;
         match self {
             Self::Abs => first.abs(),

@@ -117,7 +117,7 @@ fn match_rule(rule: Rule, text: &str) -> Result<Pair<'_, Rule>, Box<pest::error:
 }
 
 /// Does work with a stack that carries the deepest nesting allowed, whatever the caller's stack.
-fn with_stack<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+pub(crate) fn with_stack<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     const STACK_BYTES: usize = 64 << 20;
     thread::scope(|scope| {
         let parser = thread::Builder::new().name("parse".to_owned()).stack_size(STACK_BYTES);

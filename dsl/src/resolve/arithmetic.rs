@@ -91,7 +91,21 @@ impl Scope<'_> {
         };
         let unit = if is_sum(operator) { preferred(of.0, of.1) } else { None };
         let expression = real::combine(operator, of.0.expression.clone(), of.1.expression.clone());
-        Some(Real::computed(expression, measure, unit))
+        self.finite(Real::computed(expression, measure, unit), spans.0.to(spans.1))
+    }
+
+    /// Refuses a constant that is no number.
+    pub fn finite(&self, value: Real, span: Span) -> Option<Real> {
+        match value.constant() {
+            Some(number) if !number.is_finite() => {
+                let message = format!("`{}` is not a finite number", self.text(span));
+                self.refuse(
+                    Diagnostic::error("E38", span, message)
+                        .help("it is computed before the run and has to be a number"),
+                )
+            }
+            _ => Some(value),
+        }
     }
 
     fn product(&self, operator: Operator, pair: Pair<'_>) -> Option<Measure> {

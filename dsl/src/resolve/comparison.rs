@@ -152,7 +152,6 @@ impl Scope<'_> {
     }
 
     /// Whether two discrete values are equal; `Some(None)` if they are reals.
-    #[expect(clippy::option_option, reason = "the outer one is an error that was reported, the inner one an answer")]
     fn same(&self, sides: &Sides<'_>, left: &Meaning, right: &Meaning) -> Option<Option<BooleanExpression>> {
         let whole = |value: &Real| value.constant().filter(|v| value.measure == Measure::PLAIN && v.fract() == 0.0);
         let same = |l, r| Some(Some(BooleanExpression::Same(l, r)));
@@ -160,10 +159,9 @@ impl Scope<'_> {
             (Meaning::Integer(l), Meaning::Integer(r)) => same(Operand::Signal(*l), Operand::Signal(*r)),
             (Meaning::Integer(port), Meaning::Real(value)) | (Meaning::Real(value), Meaning::Integer(port)) => {
                 let Some(number) = whole(value) else { return Some(None) };
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    reason = "a number out of range saturates beyond every Integer port that could equal it"
-                )]
+                if number < f64::from(i32::MIN) || number > f64::from(i32::MAX) {
+                    return Some(Some(BooleanExpression::Constant(false)));
+                }
                 same(Operand::Signal(*port), Operand::Constant(Value::Integer(number as i32)))
             }
             (Meaning::Real(l), Meaning::Real(r)) => match (whole(l), whole(r)) {

@@ -50,9 +50,11 @@ impl Scope<'_> {
     }
 
     fn quantity(&self, expression: &Expression, number: f64, unit: Option<&Word>) -> Option<Meaning> {
-        let Some(unit) = unit else { return Some(Meaning::Real(Real::plain(number))) };
-        let base = self.unit_of_measure(unit, expression)?;
-        Some(Meaning::Real(literal(number, base, &unit.text)))
+        let value = match unit {
+            Some(unit) => literal(number, self.unit_of_measure(unit, expression)?, &unit.text),
+            None => Real::plain(number),
+        };
+        self.finite(value, expression.span).map(Meaning::Real)
     }
 
     fn list(&self, expression: &Expression, elements: &[Expression], unit: Option<&Word>) -> Option<Meaning> {

@@ -1,6 +1,7 @@
 //! Brings a value to the type and unit of the variable that takes it.
 
 use fmi2::description::Kind;
+use fmi2::units::Dimension;
 
 use super::meaning::{Condition, Meaning, Measure, Origin, Real, Text};
 use super::measure::{quantity, si_name};
@@ -105,9 +106,14 @@ impl Scope<'_> {
         if value.measure == Measure::PLAIN && value.constant().is_some() {
             return error.help(format!("write the unit: `{source} {unit}`"));
         }
-        let factor = taken.dimension.checked_div(given).map(si_name);
+        if taken.dimension == Dimension::NONE {
+            let own = value.unit.as_ref().map_or(si_name(given), |unit| unit.spelt.clone());
+            return error.help(format!("take the number out: `{source} in {own}`"));
+        }
+        let factor = taken.dimension.checked_div(given).map(si_name).filter(|factor| !factor.is_empty());
+        let source = if source.contains(' ') { format!("({source})") } else { source };
         match (at.arrow, factor) {
-            (Some(arrow), Some(factor)) if !factor.is_empty() => {
+            (Some(arrow), Some(factor)) => {
                 error.help(format!("compute it on the left, for example `{source} * 0.2 {factor} {arrow} {sink}`"))
             }
             _ => error.help(format!("it takes a value such as `1 {unit}`")),
@@ -128,7 +134,6 @@ impl Scope<'_> {
             let error = Diagnostic::error("E38", at.source, message);
             return self.refuse(error.help(format!("Integers are whole and go from {} to {}", i32::MIN, i32::MAX)));
         }
-        #[expect(clippy::cast_possible_truncation, reason = "whole and within the range above")]
         Some(number as i32)
     }
 

@@ -95,7 +95,8 @@ impl Scope<'_> {
             return self.refuse(error.help("take the number out with `in`, or divide by a quantity"));
         };
         let unit = if function == Function::Abs { value.unit } else { None };
-        Some(Meaning::Real(Real::computed(real::call(function, vec![value.expression]), measure, unit)))
+        let value = Real::computed(real::call(function, vec![value.expression]), measure, unit);
+        self.finite(value, call.span).map(Meaning::Real)
     }
 
     /// The numbers of a call: its arguments, or the elements of its one list.
@@ -148,7 +149,7 @@ impl Scope<'_> {
             all = Real { measure, unit, ..all };
         }
         let expressions = values.iter().map(|(value, _)| value.expression.clone()).collect();
-        Some(Real::computed(real::call(function, expressions), all.measure, all.unit))
+        self.finite(Real::computed(real::call(function, expressions), all.measure, all.unit), call.span)
     }
 
     fn norm(&self, call: &Call<'_>) -> Option<Meaning> {

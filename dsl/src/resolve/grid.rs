@@ -14,6 +14,17 @@ pub(super) struct Grid {
     pub step_ns: u64,
 }
 
+/// How far the grid has been worked out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Known {
+    /// Nobody has asked.
+    NotYet,
+    /// Asked for while `step` itself is worked out.
+    InWork,
+    /// Worked out; `None` if the script does not say a usable `step`.
+    Yes(Option<Grid>),
+}
+
 /// Whether a time may be zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Least {
@@ -36,7 +47,6 @@ struct Written {
 
 impl Written {
     fn show(&self, ns: u64) -> String {
-        #[expect(clippy::cast_precision_loss, reason = "a number for people")]
         match &self.unit {
             Some((name, unit_ns)) => format!("{} {name}", ns as f64 / unit_ns),
             None => duration(ns),
@@ -45,7 +55,6 @@ impl Written {
 }
 
 /// A duration for people: `5 ms`, `1.5 s`.
-#[expect(clippy::cast_precision_loss, reason = "a number for people")]
 pub(super) fn duration(ns: u64) -> String {
     let (name, unit) = match ns {
         1_000_000_000.. | 0 => ("s", 1e9),
@@ -59,11 +68,21 @@ pub(super) fn duration(ns: u64) -> String {
 impl Scope<'_> {
     /// The grid; `None` if the script does not say a usable `step`.
     pub fn grid(&self) -> Option<Grid> {
-        *self.grid.get_or_init(|| {
-            let step = self.script.step?;
-            let written = self.nanoseconds(step, Least::OneTick)?;
-            Some(Grid { step_ns: written.ns })
-        })
+        let step = self.script.step?;
+        match self.grid.get() {
+            Known::Yes(grid) => grid,
+            Known::InWork => {
+                let error = Diagnostic::error("E28", step.span, "`step` depends on a time that counts in steps");
+                self.refuse(error.help("write it as a number, for example `step 10 ms`"))
+            }
+            Known::NotYet => {
+                self.grid.set(Known::InWork);
+                let written = self.nanoseconds(step, Least::OneTick);
+                let grid = written.map(|written| Grid { step_ns: written.ns });
+                self.grid.set(Known::Yes(grid));
+                grid
+            }
+        }
     }
 
     /// The tick at which the run ends.
@@ -86,7 +105,7 @@ impl Scope<'_> {
 
     fn on_grid(&self, time: &Written, least: Least, span: Span) -> Option<u64> {
         let step_ns = self.grid()?.step_ns;
-        if time.ns % step_ns == 0 {
+        if time.ns.is_multiple_of(step_ns) {
             return Some(time.ns / step_ns);
         }
         let below = time.ns / step_ns * step_ns;
@@ -141,7 +160,6 @@ impl Scope<'_> {
             let near = format!("times are counted in nanoseconds, the nearest is `{nearest} ns`");
             return self.refuse(Diagnostic::error("E08", span, message).help(near));
         }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole and within the range above")]
         Some(Written { ns: nearest as u64, unit })
     }
 }

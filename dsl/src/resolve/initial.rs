@@ -5,7 +5,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use fmi2::description::{Causality, Initial, Variability};
 
 use super::scope::Scope;
-use super::wave::sources;
 use super::wire::Wired;
 use crate::diagnostic::Diagnostic;
 use crate::scenario::{InitialStep, Port, Preset};
@@ -60,7 +59,7 @@ impl Scope<'_> {
         let index_of: BTreeMap<Port, usize> =
             connections.iter().enumerate().map(|(index, wired)| (wired.connection.target, index)).collect();
         let mut plan = Plan::new();
-        for port in sources(connections) {
+        for port in self.sources(connections) {
             let inputs = self.initial_dependencies(port);
             let driven = index_of.iter().filter(|(target, _)| {
                 target.instance == port.instance
@@ -69,7 +68,7 @@ impl Scope<'_> {
             plan.insert(Task::Get(port), driven.map(|(_, index)| Task::Set(*index)).collect());
         }
         for (index, wired) in connections.iter().enumerate() {
-            plan.insert(Task::Set(index), wired.connection.source.ports().into_iter().map(Task::Get).collect());
+            plan.insert(Task::Set(index), self.read_by(&wired.connection.source).into_iter().map(Task::Get).collect());
         }
         plan
     }

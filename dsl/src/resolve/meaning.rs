@@ -52,6 +52,8 @@ pub(super) enum Measure {
 pub(super) struct UnitName {
     /// Its name and the SI value of one.
     pub unit: MarginUnit,
+    /// The name as written or declared, which may be that of a scale with an offset.
+    pub spelt: String,
     /// Whether the script wrote it, which counts before what a unit declares.
     pub written: bool,
 }
@@ -185,7 +187,39 @@ impl Real {
     }
 }
 
+fn real_size(value: &RealExpression) -> usize {
+    use RealExpression as E;
+    1 + match value {
+        E::Constant(_) | E::Signal(_) | E::Time => 0,
+        E::Affine { of, .. } | E::InverseAffine { of, .. } | E::Negate(of) => real_size(of),
+        E::Add(left, right) | E::Subtract(left, right) | E::Multiply(left, right) | E::Divide(left, right) => {
+            real_size(left) + real_size(right)
+        }
+        E::Call(_, arguments) => arguments.iter().map(real_size).sum(),
+    }
+}
+
+fn boolean_size(condition: &BooleanExpression) -> usize {
+    use BooleanExpression as B;
+    1 + match condition {
+        B::Constant(_) | B::Signal(_) | B::Same(..) | B::Rises(_) => 0,
+        B::Margin(margin) => real_size(&margin.value),
+        B::Not(of) => boolean_size(of),
+        B::And(parts) | B::Or(parts) => parts.iter().map(boolean_size).sum(),
+    }
+}
+
 impl Condition {
+    fn size(&self) -> usize {
+        1 + match self {
+            Self::Plain(condition) => boolean_size(condition),
+            Self::Bound(bound) => real_size(&bound.margin.value),
+            Self::Not(of) => of.size(),
+            Self::And(parts) | Self::Or(parts) => parts.iter().map(Self::size).sum(),
+            Self::Temporal(claim) => claim.body.size(),
+        }
+    }
+
     /// The condition as one that a run evaluates at a point in time.
     ///
     /// # Errors
@@ -238,6 +272,16 @@ impl Meaning {
             Self::Condition(condition) => matches!(condition.boolean(), Ok(BooleanExpression::Constant(_))),
             Self::Text(Text::Literal(_) | Text::File(_)) => true,
             Self::List(elements) => elements.iter().all(Self::is_constant),
+        }
+    }
+
+    /// How many parts it has.
+    pub fn size(&self) -> usize {
+        match self {
+            Self::Real(real) => real_size(&real.expression),
+            Self::Condition(condition) => condition.size(),
+            Self::List(elements) => 1 + elements.iter().map(Self::size).sum::<usize>(),
+            Self::Integer(_) | Self::Item(_) | Self::Text(_) | Self::Group(_) => 1,
         }
     }
 

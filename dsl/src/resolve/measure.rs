@@ -68,7 +68,7 @@ pub(super) fn unit_name(name: &str, base: BaseUnit, written: bool) -> UnitName {
     } else {
         MarginUnit { name: si_name(base.dimension), factor: 1.0 }
     };
-    UnitName { unit, written }
+    UnitName { unit, spelt: name.to_owned(), written }
 }
 
 impl Scope<'_> {
@@ -113,8 +113,8 @@ impl Scope<'_> {
         let Measure::Known(dimension) = value.measure else { return "a value without unit".to_owned() };
         let si = dimension.to_string();
         match &value.unit {
-            Some(unit) if unit.unit.name == si => si,
-            Some(unit) if !unit.unit.name.is_empty() => format!("{}  ({si})", unit.unit.name),
+            Some(unit) if unit.spelt == si => si,
+            Some(unit) if !unit.spelt.is_empty() => format!("{}  ({si})", unit.spelt),
             _ if dimension == Dimension::NONE => "a plain number".to_owned(),
             _ => si,
         }
@@ -125,8 +125,7 @@ impl Scope<'_> {
         let (Origin::Literal { number, base, has_unit: true }, Some(si)) = (value.origin, value.constant()) else {
             return;
         };
-        let written = value.unit.as_ref().map_or("", |unit| unit.unit.name.as_str());
-        let written = if base.offset == 0.0 { written } else { "degC" };
+        let written = value.unit.as_ref().map_or("", |unit| unit.spelt.as_str());
         let si_unit = si_name(base.dimension);
         let shown = if si_unit.is_empty() { String::new() } else { format!(" ({si_unit})") };
         let message = format!("{variable} declares no unit; {number} {written} is passed as {}{shown}", six_digits(si));
@@ -154,7 +153,7 @@ fn a_dimension_is_written_as_a_script_can_read_it() {
 
 #[test]
 fn a_number_is_told_with_six_decimals_at_most() {
-    assert_eq!(six_digits(-0.785_398_163), "-0.785398");
+    assert_eq!(six_digits(-0.333_333_333), "-0.333333");
     assert_eq!(six_digits(3.0), "3");
     assert_eq!(six_digits(1e-9), "0.000000001");
 }

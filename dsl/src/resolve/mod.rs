@@ -39,6 +39,7 @@
 //! | E36 | initial values that wait for each other |
 //! | E37 | a value of `--set` of another kind than the parameter's |
 //! | E38 | a number out of range |
+//! | E39 | a value that is too large or too deeply nested to be meant |
 //! | W01 | a quantity meets a variable that declares no unit |
 //! | W02 | an input without driver and start value |
 //! | W03 | two instances of one unit draw the same random numbers |
@@ -50,6 +51,7 @@ use std::sync::Arc;
 use fmi2::description::ModelDescription;
 
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::parse::with_stack;
 use crate::scenario::{Instance, Scenario};
 use crate::source::Sources;
 use crate::syntax::{Binding, File, StatementKind, Word};
@@ -69,6 +71,7 @@ mod meaning;
 mod measure;
 mod parameter;
 mod preset;
+mod reads;
 mod real;
 mod scope;
 mod script;
@@ -134,14 +137,16 @@ pub fn units(file: &File) -> Vec<&Word> {
 /// Finds out what a script means, or everything that is wrong with it.
 #[must_use]
 pub fn resolve(request: &Request<'_>) -> Resolved {
-    let scope = Scope::new(*request);
-    let scenario = scenario(&scope);
-    let (mut diagnostics, rises) = scope.finish();
-    diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span));
-    let failed = diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error);
-    let scenario = scenario.filter(|_| !failed).map(|scenario| Scenario { rises, ..scenario });
-    assert!(failed || scenario.is_some(), "a script without an error has a meaning");
-    Resolved { scenario, diagnostics }
+    with_stack(|| {
+        let scope = Scope::new(*request);
+        let scenario = scenario(&scope);
+        let (mut diagnostics, rises) = scope.finish();
+        diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span));
+        let failed = diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error);
+        let scenario = scenario.filter(|_| !failed).map(|scenario| Scenario { rises, ..scenario });
+        assert!(failed || scenario.is_some(), "a script without an error has a meaning");
+        Resolved { scenario, diagnostics }
+    })
 }
 
 /// Every pass runs, whatever an earlier one found, so that all errors come at once.
@@ -157,11 +162,11 @@ fn scenario(scope: &Scope<'_>) -> Option<Scenario> {
     let claims = scope.claims(stop_tick);
     let columns = scope.columns(&connections, &claims);
     let waves = scope.waves(&connections);
-    scope.warn_of_missing_starts(&connections, &presets);
-    scope.warn_of_equal_noise(&presets);
     if scope.failed() {
         return None;
     }
+    scope.warn_of_missing_starts(&connections, &presets);
+    scope.warn_of_equal_noise(&presets);
     let initialization = scope.initialization(&connections, &presets)?;
     let (periods, waves) = (periods?, waves?);
     let instances =

@@ -1,7 +1,7 @@
 //! The script's parameters and what the command line makes of them.
 
 use super::meaning::{Meaning, Origin, Real, Text};
-use super::measure::si_name;
+use super::measure::{quantity, si_name};
 use super::scope::Scope;
 use super::script::Declaration;
 use crate::diagnostic::Diagnostic;
@@ -85,11 +85,14 @@ impl<'a> Scope<'a> {
             return;
         }
         let (name, told) = (&setting.name.text, |meaning: &Meaning| match meaning {
-            Meaning::Real(value) => self.described(value),
+            Meaning::Real(value) => match value.measure {
+                Measure::Known(dimension) => quantity(dimension),
+                Measure::Undeclared => meaning.kind().to_owned(),
+            },
             Meaning::List(elements) => format!("a list of {}", elements.len()),
             other => other.kind().to_owned(),
         });
-        let message = format!("`{name}` cannot be set to this: it is {}", told(declared));
+        let message = format!("`{name}` cannot be set to this: its own value is {}", told(declared));
         let error = Diagnostic::error("E37", setting.value.span, message).saying(told(value));
         let example = typed_again(declared).unwrap_or_default();
         self.report(error.help(format!("write a value of the same kind, for example `{name} = {example}`")));
@@ -133,7 +136,7 @@ fn typed_again(value: &Meaning) -> Option<String> {
 fn number(value: &Real) -> Option<String> {
     let si = value.constant()?;
     let (number, unit) = match (value.origin, &value.unit, value.measure) {
-        (Origin::Literal { number, base, .. }, Some(unit), _) if base.offset == 0.0 => (number, unit.unit.name.clone()),
+        (Origin::Literal { number, .. }, Some(unit), _) => (number, unit.spelt.clone()),
         (_, _, Measure::Known(dimension)) => (si, si_name(dimension)),
         (_, _, Measure::Undeclared) => (si, String::new()),
     };

@@ -1,12 +1,12 @@
 //! What the names of a script mean, each worked out once, and what was found wrong so far.
 
-use std::cell::{OnceCell, RefCell};
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 
 use fmi2::description::{ModelDescription, Variable};
 
 use super::Request;
-use super::grid::Grid;
+use super::grid::Known;
 use super::meaning::Meaning;
 use super::script::{Declaration, Script};
 use crate::diagnostic::{Diagnostic, Severity};
@@ -21,7 +21,7 @@ pub(super) struct Scope<'a> {
     pub request: Request<'a>,
     /// The sorted statements.
     pub script: Script<'a>,
-    pub(super) grid: OnceCell<Option<Grid>>,
+    pub(super) grid: Cell<Known>,
     findings: RefCell<Vec<Diagnostic>>,
     bindings: RefCell<BTreeMap<&'a str, Option<Meaning>>>,
     open: RefCell<Vec<&'a Word>>,
@@ -36,7 +36,7 @@ impl<'a> Scope<'a> {
         Self {
             request,
             script,
-            grid: OnceCell::new(),
+            grid: Cell::new(Known::NotYet),
             findings,
             bindings: RefCell::default(),
             open: RefCell::default(),
@@ -49,9 +49,14 @@ impl<'a> Scope<'a> {
         (self.findings.into_inner(), self.rises.into_inner())
     }
 
-    /// Notes a finding.
+    /// Notes a finding; that a place meets variables without unit is told once.
     pub fn report(&self, finding: Diagnostic) {
-        self.findings.borrow_mut().push(finding);
+        let mut findings = self.findings.borrow_mut();
+        let place = |finding: &Diagnostic| finding.labels.first().map(|label| label.span);
+        let is_told = |known: &Diagnostic| known.code == "W01" && place(known) == place(&finding);
+        if finding.code != "W01" || !findings.iter().any(is_told) {
+            findings.push(finding);
+        }
     }
 
     /// Notes an error; the part it is about has no meaning.
@@ -67,9 +72,11 @@ impl<'a> Scope<'a> {
 
     /// Asks something without noting what is found wrong on the way.
     pub fn quietly<T>(&self, ask: impl FnOnce(&Self) -> T) -> T {
-        let known = self.findings.borrow().len();
+        let (known, bindings, grid) = (self.findings.borrow().len(), self.bindings.borrow().clone(), self.grid.get());
         let answer = ask(self);
         self.findings.borrow_mut().truncate(known);
+        *self.bindings.borrow_mut() = bindings;
+        self.grid.set(grid);
         answer
     }
 
@@ -80,6 +87,11 @@ impl<'a> Scope<'a> {
             rises.push(condition);
             rises.len() - 1
         })
+    }
+
+    /// The condition of a slot of `rises`.
+    pub fn risen(&self, slot: usize) -> BooleanExpression {
+        self.rises.borrow()[slot].clone()
     }
 
     /// Works out every `let`, so that errors in unused ones are told too.
@@ -100,7 +112,15 @@ impl<'a> Scope<'a> {
             return self.refuse(self.circle(&self.open.borrow()[start..]));
         }
         self.open.borrow_mut().push(&binding.name);
-        let meaning = self.evaluate(value);
+        let meaning = if self.open.borrow().len() > NAMES_DEEP {
+            self.refuse(too_large(binding, "it depends on names that depend on names, and so on"))
+        } else {
+            self.evaluate(value)
+        };
+        let meaning = match meaning {
+            Some(meaning) if meaning.size() > PARTS => self.refuse(too_large(binding, "it has too many parts")),
+            meaning => meaning,
+        };
         self.open.borrow_mut().pop();
         self.bindings.borrow_mut().insert(name, meaning.clone());
         meaning
@@ -157,6 +177,17 @@ impl<'a> Scope<'a> {
             None => error.help("a name comes from a `fmu`, `param` or `let` line"),
         }
     }
+}
+
+/// How many names may stand behind each other; far more than anyone writes, far less than the stack carries.
+const NAMES_DEEP: usize = 64;
+
+/// How many parts the value of a name may have; a few names that double each other would fill the memory otherwise.
+const PARTS: usize = 4096;
+
+fn too_large(binding: &Binding, why: &str) -> Diagnostic {
+    let message = format!("the value of `{}` is too large", binding.name.text);
+    Diagnostic::error("E39", binding.name.span, message).saying(why).help("compute it in fewer steps, or inside a unit")
 }
 
 /// Line breaks and comments become single blanks.

@@ -100,7 +100,7 @@ const RESERVED: [&str; 3] = ["time", "pi", "seed"];
 /// That this version does not know something; `what` reads as the subject of the sentence.
 pub(super) fn not_yet(span: Span, what: &str) -> Diagnostic {
     Diagnostic::error("E20", span, format!("{what} is not known to this version of lockstep yet"))
-        .help("the line means nothing to a run so far: take it out, or write it without this")
+        .help("leave it out for now")
 }
 
 impl<'a> Script<'a> {

@@ -113,7 +113,6 @@ impl Scope<'_> {
             return self
                 .refuse(Diagnostic::error("E38", expression.span, message).help("an index is a number such as `2`"));
         }
-        #[expect(clippy::cast_possible_truncation, reason = "whole and within the range above")]
         Some(value as i64)
     }
 
@@ -189,10 +188,9 @@ impl Scope<'_> {
 
     fn input_as_source(&self, port: Port, span: Span) -> Diagnostic {
         let error = Diagnostic::error("E04", span, format!("`{}` is an input and gives no value", self.text(span)));
-        let wires = self.script.wires.iter();
         let drives =
-            |path: &Path| self.text(path.span) == self.text(span) || self.text(path.span) == self.port_name(port);
-        match wires.filter(|wire| wire.targets.iter().any(drives)).map(|wire| wire.source.span).next() {
+            |path: &Path| self.quietly(|scope| scope.signal(path)).is_some_and(|it| it.ports().contains(&port));
+        match self.script.wires.iter().find(|wire| wire.targets.iter().any(drives)).map(|wire| wire.source.span) {
             Some(driver) => error.help(format!("read what drives it: `{}`", self.text(driver))),
             None => error.help("read an output, or what drives this input"),
         }

@@ -81,8 +81,7 @@ impl Scope<'_> {
             return None;
         }
         let parts = unit.text.split(['*', '/']).skip(1);
-        let mut names =
-            parts.map(|part| part.trim_end_matches(['²', '³', '^', '-']).trim_end_matches(char::is_numeric));
+        let mut names = parts.map(|part| &part[..part.find(|c: char| !c.is_alphabetic()).unwrap_or(part.len())]);
         names.find(|name| self.script.names.contains_key(*name))
     }
 

@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 use super::scope::Scope;
 use super::wire::Wired;
 use crate::diagnostic::Diagnostic;
-use crate::scenario::Port;
 
 /// That one unit waits for another, and the wire that says so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -23,7 +22,7 @@ impl Scope<'_> {
             .filter(|wired| wired.connection.direct)
             .flat_map(|wired| {
                 let to = wired.connection.target.instance;
-                let ports = wired.connection.source.ports().into_iter();
+                let ports = self.read_by(&wired.connection.source).into_iter();
                 ports.map(move |port| Edge { from: port.instance, to, wire: wired.wire })
             })
             .collect();
@@ -91,9 +90,4 @@ fn circle(edges: &BTreeSet<Edge>, waves: &[Option<usize>], stuck: usize) -> Vec<
             return circle;
         }
     }
-}
-
-/// All ports that connections read, in order, each once.
-pub(super) fn sources(connections: &[Wired]) -> BTreeSet<Port> {
-    connections.iter().flat_map(|wired| wired.connection.source.ports()).collect()
 }

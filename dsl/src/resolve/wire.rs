@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use fmi2::description::Causality;
+use fmi2::description::{Causality, Kind};
 
 use super::assign::Role;
 use super::fit::{Fitted, Meeting};
@@ -11,7 +11,7 @@ use super::scope::Scope;
 use super::script::Wire;
 use super::signal::Signal;
 use crate::diagnostic::Diagnostic;
-use crate::scenario::{Connection, Drive, Port};
+use crate::scenario::{Connection, Port};
 use crate::source::Span;
 use crate::syntax::{Arrow, ExpressionKind, Path};
 
@@ -85,8 +85,8 @@ impl Scope<'_> {
         let signal = self.signal(target).and_then(|signal| self.touchable(Role::Wire, signal, at));
         let Some(signal) = signal else { return Vec::new() };
         let ports = signal.ports();
-        if let Some(first) = ports.iter().find_map(|port| drivers.get(port)) {
-            self.report(self.two_drivers(at, first));
+        if let Some((port, first)) = ports.iter().find_map(|port| Some((*port, drivers.get(port)?))) {
+            self.report(self.two_drivers(at, port, first));
             return Vec::new();
         }
         drivers.extend(ports.iter().map(|port| (*port, Driver { source: at.source, target: at.target })));
@@ -108,19 +108,24 @@ impl Scope<'_> {
         wired
     }
 
-    fn two_drivers(&self, at: Meeting<'_>, first: &Driver) -> Diagnostic {
+    fn two_drivers(&self, at: Meeting<'_>, port: Port, first: &Driver) -> Diagnostic {
         let (sink, driver, second) = (self.text(at.target), self.text(first.source), self.text(at.source));
         let message = format!("`{sink}` already gets its value from `{driver}` (line {})", self.line(first.source));
         let error = Diagnostic::error("E03", at.target, message).label(first.target, "driven here first");
         let arrow = at.arrow.unwrap_or("->");
-        error.help(format!("an input has one driver; to combine two write `{driver} + {second} {arrow} {sink}`"))
+        let adds = matches!(self.variable(port).kind, Kind::Real(_)) && self.text(first.target) == sink;
+        if adds {
+            error.help(format!("an input has one driver; to combine two write `{driver} + {second} {arrow} {sink}`"))
+        } else {
+            error.help("an input has one driver; drive the members of a group together or one by one")
+        }
     }
 
     fn check_periods(&self, wire: &Wire<'_>, target: &Path, wired: &[Wired], periods: &[u64]) {
         let Some(first) = wired.first() else { return };
         let taker = first.connection.target.instance;
         let mut givers: Vec<_> =
-            wired.iter().flat_map(|wired| wired.connection.source.ports()).map(|port| port.instance).collect();
+            wired.iter().flat_map(|wired| self.read_by(&wired.connection.source)).map(|port| port.instance).collect();
         givers.sort_unstable();
         givers.dedup();
         let (source, sink) = (self.text(wire.source.span), self.text(target.span));
@@ -129,7 +134,9 @@ impl Scope<'_> {
                 Diagnostic::error("E07", wire.arrow_span, "`=>` lets a unit step first, and none stands on its left");
             self.report(error.help(format!("write `{source} -> {sink}`")));
         }
-        let divides = |giver: usize| periods[giver] % periods[taker] == 0 || periods[taker] % periods[giver] == 0;
+        let divides = |giver: usize| {
+            periods[giver].is_multiple_of(periods[taker]) || periods[taker].is_multiple_of(periods[giver])
+        };
         for giver in givers.into_iter().filter(|&giver| !divides(giver)) {
             let period = |instance: usize| {
                 let step_ns = self.grid().map_or(0, |grid| grid.step_ns);
@@ -146,21 +153,5 @@ impl Scope<'_> {
             let error = Diagnostic::error("E07", wire.arrow_span, message);
             self.report(error.help(format!("write `{source} -> {sink}`")));
         }
-    }
-}
-
-impl Drive {
-    /// The ports that are read.
-    pub(super) fn ports(&self) -> Vec<Port> {
-        let mut ports = Vec::new();
-        match self {
-            Self::Copy(port) => ports.push(*port),
-            Self::Real(value) => value.collect_ports(&mut ports),
-            Self::Boolean(condition) => condition.collect_ports(&mut ports),
-            Self::Integer(_) | Self::String(_) => {}
-        }
-        ports.sort_unstable();
-        ports.dedup();
-        ports
     }
 }

@@ -28,7 +28,7 @@ fn one_member_of_a_driven_group_has_a_driver_already() {
     8 | 1 m/s -> quad.wind.y
       |          ^^^^^^^^^^^
       |
-      = help: an input has one driver; to combine two write `wind.velocity + 1 m/s -> quad.wind.y`
+      = help: an input has one driver; drive the members of a group together or one by one
     "#);
 }
 
@@ -56,7 +56,7 @@ fn an_input_gives_no_value() {
     8 | assert a: always quad.wind.x < 3 m/s
       |                  ^^^^^^^^^^^
       |
-      = help: read an output, or what drives this input
+      = help: read what drives it: `wind.velocity`
     "#);
 }
 

@@ -145,18 +145,29 @@ pub(super) struct Outcome {
 
 /// Resolves a script with settings of the command line.
 pub(super) fn run_with(script: &str, settings: &[&str]) -> Outcome {
+    attempt(script, settings).unwrap_or_else(|syntax| panic!("{syntax}"))
+}
+
+/// Resolves a script if it parses.
+pub(super) fn try_run(script: &str) -> Option<Outcome> {
+    attempt(script, &[]).ok()
+}
+
+fn attempt(script: &str, settings: &[&str]) -> Result<Outcome, String> {
     let mut sources = Sources::default();
     let text = sources.add("test.scn", script);
     let settings: Vec<_> = settings.iter().map(|setting| sources.add("--set", *setting)).collect();
     let parsed = parse(&sources, text);
-    assert!(parsed.diagnostics.is_empty(), "{}", render(&sources, &parsed.diagnostics, false));
+    if !parsed.diagnostics.is_empty() {
+        return Err(render(&sources, &parsed.diagnostics, false));
+    }
     let settings: Vec<_> = settings
         .into_iter()
         .map(|setting| parse_assignment(&sources, setting).expect("a setting that parses"))
         .collect();
     let found: Units = units(&parsed.file).into_iter().map(|word| (word.text.clone(), unit(&word.text))).collect();
     let resolved = resolve(&Request { sources: &sources, file: &parsed.file, units: &found, settings: &settings });
-    Outcome { sources, resolved }
+    Ok(Outcome { sources, resolved })
 }
 
 /// What a user sees of a script's errors and warnings.

@@ -5,6 +5,7 @@ mod connections;
 mod fixtures;
 mod initial;
 mod meaning;
+mod measures;
 mod names;
 mod times;
 mod types;

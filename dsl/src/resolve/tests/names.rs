@@ -200,7 +200,7 @@ lead.body.state -> ctrl.state";
     7 | use lead = "uav.scn"
       | ^^^^^^^^^^^^^^^^^^^^
       |
-      = help: the line means nothing to a run so far: take it out, or write it without this
+      = help: leave it out for now
 
     error[E20]: `for` is not known to this version of lockstep yet
      --> test.scn:8:1
@@ -208,7 +208,7 @@ lead.body.state -> ctrl.state";
     8 | for i in 1..2 { let a = 3 }
       | ^^^^^^^^^^^^^^^^^^^^^^^^^^^
       |
-      = help: the line means nothing to a run so far: take it out, or write it without this
+      = help: leave it out for now
 
     error[E20]: `when` is not known to this version of lockstep yet
      --> test.scn:9:1
@@ -216,7 +216,7 @@ lead.body.state -> ctrl.state";
     9 | when quad.landed { set quad.drag = 0.2 }
       | ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
       |
-      = help: the line means nothing to a run so far: take it out, or write it without this
+      = help: leave it out for now
 
     error[E20]: `while` is not known to this version of lockstep yet
       --> test.scn:10:1
@@ -224,7 +224,7 @@ lead.body.state -> ctrl.state";
     10 | while quad.landed { set quad.drag = 0.2 }
        | ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
        |
-       = help: the line means nothing to a run so far: take it out, or write it without this
+       = help: leave it out for now
 
     error[E20]: `stop when` is not known to this version of lockstep yet
       --> test.scn:11:1
@@ -232,7 +232,7 @@ lead.body.state -> ctrl.state";
     11 | stop when quad.landed
        | ^^^^^^^^^^^^^^^^^^^^^
        |
-       = help: the line means nothing to a run so far: take it out, or write it without this
+       = help: leave it out for now
 
     error[E20]: `fault` is not known to this version of lockstep yet
       --> test.scn:12:10
@@ -240,7 +240,7 @@ lead.body.state -> ctrl.state";
     12 | at 3 s { fault quad.wind: freeze }
        |          ^^^^^^^^^^^^^^^^^^^^^^^
        |
-       = help: the line means nothing to a run so far: take it out, or write it without this
+       = help: leave it out for now
 
     error[E20]: `implies` is not known to this version of lockstep yet
       --> test.scn:13:21
@@ -248,7 +248,7 @@ lead.body.state -> ctrl.state";
     13 | assert gate: always (quad.landed implies quad.roll < 3 deg)
        |                     ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
        |
-       = help: the line means nothing to a run so far: take it out, or write it without this
+       = help: leave it out for now
 
     error[E20]: `until` is not known to this version of lockstep yet
       --> test.scn:14:14
@@ -256,7 +256,7 @@ lead.body.state -> ctrl.state";
     14 | assert till: quad.roll < 3 deg until quad.landed
        |              ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
        |
-       = help: the line means nothing to a run so far: take it out, or write it without this
+       = help: leave it out for now
 
     error[E20]: `.*` is not known to this version of lockstep yet
       --> test.scn:15:13
@@ -264,7 +264,7 @@ lead.body.state -> ctrl.state";
     15 | record quad.* every 20 ms
        |             ^
        |
-       = help: the line means nothing to a run so far: take it out, or write it without this
+       = help: leave it out for now
 
     error[E20]: `record` with `every` is not known to this version of lockstep yet
       --> test.scn:15:21
@@ -272,7 +272,7 @@ lead.body.state -> ctrl.state";
     15 | record quad.* every 20 ms
        |                     ^^^^^
        |
-       = help: the line means nothing to a run so far: take it out, or write it without this
+       = help: leave it out for now
 
     error[E20]: `sweep` is not known to this version of lockstep yet
       --> test.scn:16:1
@@ -280,7 +280,7 @@ lead.body.state -> ctrl.state";
     16 | sweep { seed in 1..3 }
        | ^^^^^^^^^^^^^^^^^^^^^^
        |
-       = help: the line means nothing to a run so far: take it out, or write it without this
+       = help: leave it out for now
 
     error[E20]: `curve` is not known to this version of lockstep yet
       --> test.scn:17:1
@@ -288,7 +288,7 @@ lead.body.state -> ctrl.state";
     17 | curve("in.csv", "u") -> quad.wind
        | ^^^^^^^^^^^^^^^^^^^^
        |
-       = help: the line means nothing to a run so far: take it out, or write it without this
+       = help: leave it out for now
     "#);
 }
 
@@ -308,11 +308,11 @@ fn an_unknown_parameter_of_the_command_line_is_told_in_its_own_text() {
 #[test]
 fn a_setting_of_another_dimension_is_refused() {
     insta::assert_snapshot!(shown_with(&flight("param gust = 4 m/s"), &["gust = 3 m"]), @r#"
-    error[E37]: `gust` cannot be set to this: it is m/s
+    error[E37]: `gust` cannot be set to this: its own value is a speed
      --> --set:1:8
       |
     1 | gust = 3 m
-      |        ^^^ m
+      |        ^^^ a length
       |
       = help: write a value of the same kind, for example `gust = 4 m/s`
     "#);

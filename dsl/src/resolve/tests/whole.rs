@@ -105,3 +105,91 @@ at 12.345 s lasting 1 s { set quad.drag = 0.3 }";
        = help: 12.34 s, 12.35 s, or `step 5 ms`
     "#);
 }
+
+const WORDS: [&str; 44] = [
+    "quad.state",
+    "ctrl.state",
+    "quad.roll",
+    "quad.height",
+    "wind.velocity",
+    "quad.wind",
+    "ctrl.now",
+    "\"hover\"",
+    "time",
+    "seed",
+    "a",
+    "b",
+    "3 m",
+    "20 degC",
+    "2",
+    "0",
+    "1e300",
+    "[1, 2, 3] m/s",
+    "->",
+    "=>",
+    "<",
+    "==",
+    "±",
+    "+",
+    "*",
+    "/",
+    "-",
+    "(",
+    ")",
+    "in deg",
+    "as m",
+    "and",
+    "or",
+    "not",
+    "always",
+    "eventually within 3 s",
+    "hold for 20 ms",
+    "max(a, b)",
+    "norm(b)",
+    "rises(a)",
+    ".x",
+    "[1]",
+    ".{x, y}",
+    "quad.landed",
+];
+
+proptest::proptest! {
+    /// Whatever stands on a line, the resolver answers with a scenario or an error, and never with both.
+    #[test]
+    fn any_words_give_a_scenario_or_an_error(
+        start in proptest::sample::select(&["let a =", "let b =", "assert c:", "", "param a =", "step", "record", "at"][..]),
+        second in proptest::sample::select(&["let a =", "let b =", "assert c:", ""][..]),
+        words in proptest::collection::vec(proptest::sample::select(&WORDS[..]), 1..9),
+        others in proptest::collection::vec(proptest::sample::select(&WORDS[..]), 1..9),
+    ) {
+        let lines = format!("{start} {}\n{second} {}", words.join(" "), others.join(" "));
+        if let Some(outcome) = super::fixtures::try_run(&flight(&lines)) {
+            let is_error = |diagnostic: &crate::diagnostic::Diagnostic| diagnostic.code.starts_with('E');
+            let failed = outcome.resolved.diagnostics.iter().any(is_error);
+            proptest::prop_assert_eq!(outcome.resolved.scenario.is_none(), failed);
+        }
+    }
+}
+
+#[test]
+fn names_that_double_each_other_end_in_an_error() {
+    let lines: Vec<_> = (1..40).map(|n| format!("let a{n} = a{} + a{}", n - 1, n - 1)).collect();
+    insta::assert_snapshot!(shown(&flight(&format!("let a0 = quad.roll\n{}", lines.join("\n")))), @r#"
+    error[E39]: the value of `a11` is too large
+      --> test.scn:18:5
+       |
+    18 | let a11 = a10 + a10
+       |     ^^^ it has too many parts
+       |
+       = help: compute it in fewer steps, or inside a unit
+    "#);
+}
+
+#[test]
+fn a_long_chain_of_names_ends_in_an_error() {
+    let deep = "-(".repeat(100) + "a" + &")".repeat(100);
+    let lines: Vec<_> = (0..200).map(|n| format!("let a{n} = {}", deep.replace('a', &format!("a{}", n + 1)))).collect();
+    let resolved = super::fixtures::run_with(&flight(&format!("{}\nlet a200 = 1", lines.join("\n"))), &[]).resolved;
+    assert!(resolved.diagnostics.iter().all(|diagnostic| diagnostic.code == "E39"));
+    assert_eq!(resolved.scenario, None);
+}
