@@ -131,3 +131,64 @@ fn bytes(source: &str, span: Span) -> Range<usize> {
     let end = source.ceil_char_boundary(span.end as usize);
     start..end.max(start)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(text: u32, start: u32, end: u32) -> Span {
+        Span { text, start, end }
+    }
+
+    #[test]
+    fn findings_are_shown_by_place_with_labels_and_help() {
+        let mut sources = Sources::default();
+        let script = sources.add("quad.scn", "step 5 ms\r\nctrl.thrust => quad.moment\n\tx -> y\n");
+        let command = sources.add("--set", "gust = 6");
+        let later = Diagnostic::warning("W01", at(script, 39, 40), "`x` declares no unit");
+        let earlier = Diagnostic::error("E02", at(script, 11, 22), "cannot connect a force to a torque")
+            .saying("gives N")
+            .label(at(script, 26, 37), "takes N*m")
+            .label(at(command, 7, 8), "set here")
+            .help("compute it on the left");
+        insta::assert_snapshot!(render(&sources, &[later, earlier], false), @r"
+        error[E02]: cannot connect a force to a torque
+         --> quad.scn:2:1
+          |
+        2 | ctrl.thrust => quad.moment
+          | ^^^^^^^^^^^    ----------- takes N*m
+          | |
+          | gives N
+          |
+         ::: --set:1:8
+          |
+        1 | gust = 6
+          |        - set here
+          |
+          = help: compute it on the left
+
+        warning[W01]: `x` declares no unit
+         --> quad.scn:3:2
+          |
+        3 |     x -> y
+          |     ^
+        ");
+    }
+
+    #[test]
+    fn places_outside_the_text_are_shown_at_its_end() {
+        let mut sources = Sources::default();
+        let text = sources.add("a.scn", "é");
+        for span in [at(text, 1, 1), at(text, 5, 9), at(text, 2, 1), at(text, 0, u32::MAX)] {
+            assert!(render(&sources, &[Diagnostic::error("E00", span, "here")], false).contains("a.scn:1:"));
+        }
+    }
+
+    #[test]
+    fn colour_is_an_addition() {
+        let mut sources = Sources::default();
+        let text = sources.add("a.scn", "step");
+        let shown = render(&sources, &[Diagnostic::error("E00", at(text, 0, 4), "here")], true);
+        assert!(shown.contains('\u{1b}'));
+    }
+}

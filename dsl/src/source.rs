@@ -81,3 +81,12 @@ impl Sources {
         (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
     }
 }
+
+#[test]
+fn places_are_counted_in_lines_and_characters() {
+    let mut sources = Sources::default();
+    let text = sources.add("a.scn", "\u{feff}é x\r\ny");
+    let place = |start, end| sources.line_and_column(Span { text, start, end });
+    assert_eq!((place(0, 2), place(3, 4), place(6, 7)), ((1, 1), (1, 3), (2, 1)));
+    assert_eq!(sources.slice(Span { text, start: 3, end: 4 }), "x");
+}

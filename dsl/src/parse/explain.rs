@@ -71,6 +71,9 @@ fn expected_and_found(failure: &Failure<'_>) -> String {
 /// What was found, as words.
 pub(super) fn found(failure: &Failure<'_>) -> String {
     if let Some(c) = failure.found().chars().next().filter(|c| c.is_whitespace() || c.is_control()) {
+        if matches!(c, ' ' | '\t') {
+            return "a blank".to_owned();
+        }
         return format!("the invisible character U+{:04X}", u32::from(c));
     }
     match failure.found() {

@@ -102,7 +102,7 @@ pub(super) fn position(error: &Error<Rule>) -> usize {
 fn first_tokens(rule: Rule) -> Vec<String> {
     let word = format!("{rule:?}");
     let tokens: &[&str] = match rule {
-        Rule::unary | Rule::not_ => &["(", "\"", "_", "A..Z"],
+        Rule::unary | Rule::not_ | Rule::quantity => &["(", "\"", "_", "A..Z"],
         Rule::ident => &["_", "A..Z"],
         Rule::file | Rule::rest => &["scenario"],
         Rule::actions | Rule::values | Rule::block => &["{"],
@@ -125,8 +125,18 @@ fn token_start(text: &str, rule_at: usize, at: usize, expected: &BTreeSet<String
     if in_word || (in_name && rule_at <= word && is_reserved(&before[word..])) {
         return word;
     }
-    let in_arrow = before.ends_with(['-', '=']) && after.starts_with('>');
-    at - usize::from(in_arrow)
+    (0..=at).rev().find(|&at| !in_sign(text, at)).unwrap_or(at)
+}
+
+/// Whether a sign of two or more characters was taken for a sign of one and something wrong.
+fn in_sign(text: &str, at: usize) -> bool {
+    let (before, after) = text.split_at(at);
+    match before.chars().next_back() {
+        Some('-') => after.starts_with('>') || after.starts_with("->"),
+        Some('=') => after.starts_with(['>', '=']),
+        Some(sign @ ('/' | '*')) => after.starts_with(sign),
+        _ => false,
+    }
 }
 
 /// Whether a character may stand in a word, though not always in a name.
@@ -235,7 +245,8 @@ pub(super) fn token(text: &str) -> &str {
         '0'..='9' => text.find(|c| !is_word(c) && c != '.').unwrap_or(text.len()),
         _ if is_word(first) => text.find(|c| !is_word(c)).unwrap_or(text.len()),
         _ => {
-            let symbols = ["-->", "==>", "->", "=>", "<-", "<=", ">=", "==", "!=", ":=", "&&", "||", "//", "..", "+-"];
+            let symbols =
+                ["-->", "==>", "->", "=>", "<-", "<=", ">=", "==", "!=", ":=", "&&", "||", "//", "**", "..", "+-"];
             symbols.iter().find(|symbol| text.starts_with(**symbol)).map_or(first.len_utf8(), |symbol| symbol.len())
         }
     };
@@ -255,4 +266,16 @@ fn last_token(text: &str) -> &str {
     let symbol = text.len() - text.chars().next_back().map_or(0, char::len_utf8);
     let pair = symbol.checked_sub(1).filter(|&pair| matches!(text.get(pair..), Some("->" | "=>" | "<=" | ">=" | "==")));
     &text[pair.unwrap_or(symbol)..]
+}
+
+#[test]
+fn tokens_are_words_numbers_texts_and_signs() {
+    for (text, first) in
+        [("a.b", "a"), ("1.5 m", "1.5"), ("\"a b\" c", "\"a b\""), ("\"a\n", "\"a"), ("=> x", "=>"), ("\n", "")]
+    {
+        assert_eq!(token(text), first, "{text:?}");
+    }
+    for (text, last) in [("let a.b ", "a.b"), ("x =>", "=>"), ("f = \"a b\"", "\"a b\""), ("(", "("), ("", "")] {
+        assert_eq!(last_token(text), last, "{text:?}");
+    }
 }

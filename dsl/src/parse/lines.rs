@@ -91,3 +91,22 @@ pub(super) fn next_statement(text: &str, at: usize) -> usize {
 fn blanks(text: &str) -> usize {
     text.len() - text.trim_start().len()
 }
+
+#[test]
+fn statements_begin_with_a_statement_word_or_hold_an_arrow_further_on() {
+    for line in ["step 5 ms", "  stop when x", "a.b -> c.d", "a =>", "let", "at=>b"] {
+        assert!(begins_statement(line), "{line}");
+    }
+    for line in ["step = 1", "at.x = 2", "set[1] = 2", "steps", "-> c.d", "  => c.d", "x = \"a -> b\"", ""] {
+        assert!(!begins_statement(line), "{line}");
+    }
+}
+
+#[test]
+fn the_next_statement_is_sought_on_later_lines() {
+    let text = "let a 3\n  b c\n  d -> e\n";
+    assert_eq!(next_statement(text, 2), 14);
+    assert_eq!(next_statement(text, 14), text.len());
+    assert_eq!(statement_start(text, 0, 18), 16);
+    assert_eq!(statement_start(text, 0, 11), 0);
+}

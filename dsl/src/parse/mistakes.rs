@@ -17,7 +17,8 @@ pub(super) fn known(failure: &Failure<'_>) -> Option<Diagnostic> {
         arrow_to_the_left,
         assignment_for_comparison,
         parted_digits,
-        loose_dot,
+        leading_point,
+        loose_point,
         actions_without_braces,
         second_statement,
         reserved_name,
@@ -124,6 +125,7 @@ fn foreign_symbol(failure: &Failure<'_>) -> Option<Diagnostic> {
         "≤" => "write `<=`",
         "≠" => "write `!=`",
         ":=" => "write `=`",
+        "==" if !failure.expects("==") => "to give a value write `=`",
         "-->" => "write `->`",
         "==>" => "write `=>`",
         "^" | "**" => "a power of a unit has no blanks, `m/s^2`; a power of a value is a product, `x * x`",
@@ -158,29 +160,26 @@ fn parted_digits(failure: &Failure<'_>) -> Option<Diagnostic> {
     Some(error(failure, format!("`{found}` is no number")).help(help))
 }
 
-/// `.5`, `5.`
-fn loose_dot(failure: &Failure<'_>) -> Option<Diagnostic> {
-    if failure.found() != "." {
-        return None;
-    }
-    let digits = |text: &str| text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
-    let after = &failure.rest()[1..];
-    let fraction = &after[..digits(after)];
-    if failure.expects_value() && !fraction.is_empty() {
-        let message = "a number begins with a digit".to_owned();
-        let span = failure.span_of(failure.at, 1 + fraction.len());
-        return Some(Diagnostic::error("E00", span, message).help(format!("write `0.{fraction}`")));
-    }
+/// `.5`
+fn leading_point(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let after = failure.rest().strip_prefix('.').filter(|_| failure.expects_value())?;
+    let fraction = &after[..after.find(|c: char| !c.is_ascii_digit()).unwrap_or(after.len())];
+    let span = failure.span_of(failure.at, 1 + fraction.len());
+    let help = format!("write `0.{fraction}`");
+    (!fraction.is_empty()).then(|| Diagnostic::error("E00", span, "a number begins with a digit").help(help))
+}
+
+/// `5.`, `1.2.3`
+fn loose_point(failure: &Failure<'_>) -> Option<Diagnostic> {
     let number = failure.previous();
-    if !failure.before().ends_with(|c: char| c.is_ascii_digit()) || !number.starts_with(|c: char| c.is_ascii_digit()) {
-        return None;
-    }
-    let help = if number.contains('.') {
-        "a number has one decimal point".to_owned()
-    } else {
-        format!("write `{number}` or `{number}.0`")
+    let (digits, help) = match number.strip_suffix('.') {
+        Some(digits) => (digits, format!("write `{digits}` or `{digits}.0`")),
+        None if failure.found() == "." => (number, "a number has one decimal point".to_owned()),
+        None => return None,
     };
-    Some(error(failure, format!("`{number}.{fraction}` is no number")).help(help))
+    let is_number = !digits.is_empty() && digits.chars().all(|c| c == '.' || c.is_ascii_digit());
+    let span = failure.span_of(failure.at - number.len(), number.len() + usize::from(!number.ends_with('.')));
+    is_number.then(|| Diagnostic::error("E00", span, "this point belongs to no number").help(help))
 }
 
 fn actions_without_braces(failure: &Failure<'_>) -> Option<Diagnostic> {

@@ -265,3 +265,33 @@ impl<'a> Scanner<'a> {
 fn is_name_part(c: char) -> bool {
     c == '_' || c.is_alphanumeric()
 }
+
+#[test]
+fn comments_and_line_breaks_in_brackets_become_blanks_of_equal_length() {
+    let blanked = |source: &str| scan(source, 0).text;
+    assert_eq!(blanked("a # é\nb"), "a     \nb");
+    assert_eq!(blanked("f(1, # (\r\n 2)\nb"), "f(1,       2)\nb");
+    assert_eq!(blanked("{\n}"), "{\n}");
+    assert_eq!(blanked("\"# (\"\n'# ['\n"), "\"# (\"\n'# ['\n");
+}
+
+#[test]
+fn a_closing_bracket_without_an_opening_one_and_a_statement_word_end_nothing_too_much() {
+    let blanked = |source: &str| scan(source, 0).text;
+    assert_eq!(blanked("a)\n(b\nc)\n"), "a)\n(b c)\n");
+    assert_eq!(blanked("(a\n[b\nstep 5 ms\nc"), "(a [b\nstep 5 ms\nc");
+}
+
+#[test]
+fn nesting_counts_what_is_inside_and_not_what_follows() {
+    let refused = |source: String| !scan(&source, 0).diagnostics.is_empty();
+    let nested = |depth| format!("{}1{}", "(".repeat(depth), ")".repeat(depth));
+    assert!(!refused(nested(NESTING_LIMIT)));
+    assert!(refused(nested(NESTING_LIMIT + 1)));
+    assert!(!refused(format!("[{}]", "-a + b, ".repeat(1_000))));
+    assert!(!refused("a + (b - c)\n".repeat(1_000)));
+    assert!(!refused("a and b or c and ".repeat(1_000)));
+    assert!(refused("a + ".repeat(NESTING_LIMIT + 1)));
+    assert!(refused("not ".repeat(NESTING_LIMIT + 1)));
+    assert!(refused("a\nimplies ".repeat(NESTING_LIMIT + 1)));
+}

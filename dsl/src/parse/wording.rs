@@ -81,3 +81,15 @@ pub(super) fn model_of(word: &str) -> &'static Model {
     let connection = &STATEMENTS[STATEMENTS.len() - 1];
     STATEMENTS.iter().chain(&ACTIONS).find(|model| model.word == word).unwrap_or(connection)
 }
+
+#[test]
+fn the_reserved_words_are_those_of_the_grammar() {
+    let grammar = include_str!("../scenario.pest");
+    let rule =
+        grammar.split_once("\nword = @{").and_then(|(_, rest)| rest.split_once('}')).map_or("", |(rule, _)| rule);
+    let words: Vec<_> = rule.split('"').skip(1).step_by(2).collect();
+    assert_eq!(words.len(), 34);
+    assert!(words.iter().all(|word| is_reserved(word)), "{words:?}");
+    assert!(statement_words().all(|word| words.contains(&word)));
+    assert!(!is_reserved("time"));
+}
