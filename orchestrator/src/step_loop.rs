@@ -5,6 +5,8 @@
 
 mod gather;
 mod initialise;
+#[cfg(test)]
+mod tests;
 mod witness;
 
 pub use witness::Witness;
@@ -104,7 +106,10 @@ impl<'a, W: Witness> StepLoop<'a, W> {
             self.take_events(tick);
             self.drive(tick);
             for wave in 0..self.wiring.waves.len() {
-                self.step(wave, tick)?;
+                if let Some(finish) = self.step(wave, tick)? {
+                    self.record(tick);
+                    return Ok(finish);
+                }
             }
             self.record(tick);
             tick += 1;
@@ -153,8 +158,8 @@ impl<'a, W: Witness> StepLoop<'a, W> {
         }
     }
 
-    /// A wave: all orders go out before the first reply is awaited.
-    fn step(&mut self, wave: usize, tick: u64) -> Result<(), Failure> {
+    /// A wave: all orders go out before the first reply is awaited. A finish means that this tick is the last.
+    fn step(&mut self, wave: usize, tick: u64) -> Result<Option<Finish>, Failure> {
         let time_s = self.wiring.seconds(tick);
         let groups = self.wiring.waves[wave].clone();
         for group in groups.clone().filter(|&group| self.wiring.groups[group].is_due(tick)) {

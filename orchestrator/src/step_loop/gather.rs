@@ -4,7 +4,7 @@ use super::{StepLoop, Witness};
 use crate::failure::{Cause, Doing, Failure};
 use crate::message::{Finish, Reason};
 use crate::wiring::Group;
-use crate::worker::Lost;
+use crate::worker::{Lost, Terminated};
 use fmi2::calls::Call;
 use std::ops::Range;
 
@@ -42,20 +42,20 @@ impl<W: Witness> StepLoop<'_, W> {
         if let Some(lost) = lost {
             return Err(lost.failure);
         }
-        if let Some(finish) = self.ended_before(tick) {
+        if let Some(finish) = self.ended_within(tick - 1) {
             return Ok(Some(finish));
         }
         self.refuse_non_finite(0..self.wiring.groups.len(), |group| group.is_due(tick).then_some(tick))?;
         Ok(None)
     }
 
-    /// Takes the results that a `=>` reads in the tick of the order.
+    /// Takes the results that a `=>` reads in the tick of the order. A finish means that a unit ended within its step,
+    /// so that nothing is there to be read.
     ///
     /// # Errors
     /// As for [`Self::gather`].
-    pub(super) fn await_direct(&mut self, groups: Range<usize>, tick: u64) -> Result<(), Failure> {
+    pub(super) fn await_direct(&mut self, groups: Range<usize>, tick: u64) -> Result<Option<Finish>, Failure> {
         let mut lost = None;
-        let mut awaited = false;
         for index in groups.clone() {
             let group = &self.wiring.groups[index];
             if !group.is_read_at(tick) {
@@ -63,30 +63,29 @@ impl<W: Witness> StepLoop<'_, W> {
             }
             if let Some(ticket) = self.under_way[index].take() {
                 let due_tick = tick + group.every;
-                awaited = true;
                 match self.workers[group.worker].reply(ticket, due_tick, &mut self.latest) {
                     Ok(reply) => self.terminated.extend(reply.terminated.into_iter().map(|unit| (due_tick, unit))),
                     Err(other) => keep_first(&mut lost, other),
                 }
             }
         }
-        match lost {
-            Some(lost) => Err(lost.failure),
-            None if awaited => {
-                let came = |group: &Group| group.is_due(tick) && group.is_read_at(tick);
-                self.refuse_non_finite(groups, |group| came(group).then_some(tick + group.every))
-            }
-            None => Ok(()),
+        if let Some(lost) = lost {
+            return Err(lost.failure);
         }
+        if let Some(finish) = self.ended_within(tick) {
+            return Ok(Some(finish));
+        }
+        self.refuse_non_finite(groups, |group| group.is_read_at(tick).then(|| tick + group.every))?;
+        Ok(None)
     }
 
-    /// Whether a unit ended before this tick, at which its step was to end.
-    fn ended_before(&self, tick: u64) -> Option<Finish> {
-        let due_s = self.wiring.seconds(tick);
-        let due = self.terminated.iter().filter(|(due_tick, _)| *due_tick == tick);
-        let early = due.filter(|(_, unit)| unit.last_successful_time_s < due_s - HALF_A_NANOSECOND_S);
-        let first = early.map(|(_, unit)| unit.instance).min()?;
-        Some(Finish { last_tick: tick - 1, reason: Reason::Terminated(first) })
+    /// The finish of a unit that ended before the tick at which its step was to end.
+    fn ended_within(&self, last_tick: u64) -> Option<Finish> {
+        let early = |(due_tick, unit): &&(u64, Terminated)| {
+            unit.last_successful_time_s < self.wiring.seconds(*due_tick) - HALF_A_NANOSECOND_S
+        };
+        let first = self.terminated.iter().filter(early).map(|(_, unit)| unit.instance).min()?;
+        Some(Finish { last_tick, reason: Reason::Terminated(first) })
     }
 
     /// Refuses values that are no numbers where they are connected or asserted, in groups that just delivered;
