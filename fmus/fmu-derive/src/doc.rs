@@ -11,7 +11,7 @@ pub fn first_paragraph(attributes: &[Attribute]) -> String {
         },
         _ => None,
     });
-    let text: Vec<String> = lines.flat_map(|text| text.lines().map(str::to_owned).collect::<Vec<_>>()).collect();
+    let text: Vec<String> = lines.flat_map(|text| text.split('\n').map(str::to_owned).collect::<Vec<_>>()).collect();
     let words =
         text.iter().map(|line| line.trim()).skip_while(|line| line.is_empty()).take_while(|line| !line.is_empty());
     words.collect::<Vec<_>>().join(" ")

@@ -15,9 +15,6 @@ pub(crate) struct Body {
     slots: &'static Slots,
 }
 
-// SAFETY: a unit is `Send`, and the pointer is its only owner.
-unsafe impl Send for Body {}
-
 impl Body {
     /// A new unit at its start values.
     pub(crate) fn new(library: &'static Library) -> Self {

@@ -67,9 +67,6 @@ pub(crate) struct Log {
     wanted: u8,
 }
 
-// SAFETY: the standard lets an importer use an instance from one thread after another, and so its environment.
-unsafe impl Send for Log {}
-
 impl Log {
     /// # Safety
     ///

@@ -100,8 +100,11 @@ impl Instance {
         }
         let payload: Payload = postcard::from_bytes(payload).map_err(broken)?;
         let state = State::ALL.get(usize::from(payload.state)).copied();
+        // An instance without a step in progress has no other.
+        let state =
+            state.filter(|state| !matches!(state, State::NotInstantiated | State::StepInProgress | State::Fatal));
         let progress = Progress {
-            state: state.ok_or_else(|| refuse("they stand in no known state"))?,
+            state: state.ok_or_else(|| refuse("they stand in no state that can be saved"))?,
             experiment: payload.experiment,
             now: payload.now_ns.map_or(Time::Seconds(payload.now_s), Time::Nanoseconds),
             ended: payload.ended,

@@ -10,7 +10,7 @@ use fmi2::description::{check, read};
 use std::fmt;
 
 pub use dependencies::outputs_move_only_with_what_they_declare;
-pub use states::{a_saved_state_goes_on_bit_for_bit, init_can_be_repeated};
+pub use states::{a_saved_state_goes_on_bit_for_bit, init_can_be_repeated, read_foreign_state, written_state};
 
 /// What a test of the export layer found wrong with a unit, one line each.
 #[derive(Clone, PartialEq, Eq)]

@@ -74,3 +74,18 @@ pub fn a_saved_state_goes_on_bit_for_bit(library: &'static Library) -> Result<()
     }
     Findings::none_or(found)
 }
+
+/// Target for generated input: whatever the bytes are, reading them as the hidden state of a unit ends, without a panic.
+pub fn read_foreign_state(library: &'static Library, bytes: &[u8]) {
+    // The checksum keeps most inputs from coming this far in a written state, so it is left out.
+    let _ = Subject::new(library).read_bytes(bytes);
+}
+
+/// The bytes of a unit at its start values, to change at will.
+///
+/// # Errors
+///
+/// Why the state cannot be written.
+pub fn written_state(library: &'static Library) -> Result<Vec<u8>, Findings> {
+    Subject::new(library).bytes().map_err(|error| Findings(vec![format!("the state cannot be written: {error}")]))
+}

@@ -1,6 +1,6 @@
 //! A unit with a port of each kind, whose steps go wrong on demand.
 
-use fmu::{Context, Fault, FmiEnum, Fmu, Model, Outcome, Step};
+use fmu::{Context, Fault, FmiEnum, Fmu, Library, Model, Outcome, Step};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -139,6 +139,10 @@ fn the_value_references_are_those_of_the_description() {
     assert_eq!(["speed", "gain", "offset", "position.x", "scaled", "step_length"].map(reference), [0, 1, 2, 3, 6, 7]);
     assert_eq!(["switch", "inverse"].map(reference), [port::SWITCH, port::INVERSE]);
     assert_eq!(["text", "echo"].map(reference), [port::TEXT, port::ECHO]);
+}
+
+pub fn library() -> &'static Library {
+    &LIBRARY
 }
 
 pub fn guid() -> String {

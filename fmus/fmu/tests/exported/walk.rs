@@ -11,8 +11,11 @@ use std::ffi::c_void;
 use std::fmt::Write;
 use std::ptr::{null, null_mut};
 
+/// Brings an instance to a state.
+type Bring = fn() -> Importer;
+
 /// The states that an instance can be brought to, and how.
-const STATES: [(&str, fn() -> Importer); 7] = [
+const STATES: [(&str, Bring); 7] = [
     ("instantiated", Importer::new),
     ("initializationMode", || {
         let importer = Importer::new();
