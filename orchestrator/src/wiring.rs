@@ -15,6 +15,7 @@ pub use events::{Change, Effect, Override};
 pub use feed::{Computed, Feed, Run};
 pub use groups::Group;
 pub use places::{Member, Pick, Ports, Span};
+pub use reads::reads_of;
 pub use trace::RowPlan;
 
 use crate::expression::Program;

@@ -1,5 +1,6 @@
 //! The command line: one file for each subcommand; each runs and returns its exit code.
 
+pub mod check;
 pub mod describe;
 pub mod diff;
 pub mod new;
@@ -23,6 +24,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::Run),
+    Check(check::Check),
     Describe(describe::Describe),
     Pack(pack::Pack),
     New(new::New),
@@ -45,12 +47,13 @@ impl Cli {
     pub fn run(self) -> u8 {
         match self.command {
             Command::Run(run) => run.run(),
+            Command::Check(check) => check.run(),
             Command::Describe(describe) => describe.run(),
             Command::Pack(pack) => pack.run(),
             Command::New(new) => new.run(),
             Command::Plot(plot) => plot.run(),
             Command::Diff(diff) => diff.run(),
-            Command::StepLoop => crate::step_loop::run_child(),
+            Command::StepLoop => u8::from(crate::child::run().is_err()),
             Command::DescribeLibrary { path } => describe_library(&path),
         }
     }

@@ -4,9 +4,11 @@
 //! another one, be anything but a plain file or folder, or grow beyond all proportion; unpacking writes into a folder
 //! that did not exist before and that is gone again if anything fails.
 
+mod layout;
 mod survey;
 
 use super::error::UnitError;
+use fmi2::description::check::check;
 use fmi2::description::{Finding, ModelDescription, read};
 use sha2::{Digest, Sha256};
 use std::fs::{self, DirBuilder, File, OpenOptions};
@@ -79,6 +81,23 @@ pub fn unpack(fmu: &Path, into: &Path) -> Result<Unpacked, UnitError> {
 pub fn read_description(fmu: &Path) -> Result<(ModelDescription, Vec<Finding>), UnitError> {
     let (mut archive, survey) = open(fmu)?;
     description(&mut archive, &survey, fmu)
+}
+
+/// Judges an archive by every rule of the standard: where its files belong, and what its description says. Findings come
+/// in the order of their places, those about the archive first. Nothing is unpacked.
+///
+/// # Errors
+/// The archive is broken or unsafe, or holds no readable description.
+pub fn examine(fmu: &Path) -> Result<(ModelDescription, Vec<Finding>), UnitError> {
+    let (mut archive, survey) = open(fmu)?;
+    let (description, mut findings) = description(&mut archive, &survey, fmu)?;
+    let files = survey.entries.iter().filter(|entry| !entry.is_folder).map(|entry| entry.name.as_str());
+    if let Some(co_simulation) = &description.co_simulation {
+        findings.extend(layout::check(&files.collect::<Vec<_>>(), &co_simulation.model_identifier));
+    }
+    findings.extend(check(&description));
+    findings.sort_by_key(|finding| finding.position);
+    Ok((description, findings))
 }
 
 /// Everything that is done with the bytes of an archive short of writing files: the target for generated archives.

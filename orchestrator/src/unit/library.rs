@@ -21,7 +21,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Once};
 
 /// The folders below `binaries/` that hold libraries for this platform, the standard's name first.
-const PLATFORM_FOLDERS: &[&str] = if cfg!(target_os = "macos") {
+pub(super) const PLATFORM_FOLDERS: &[&str] = if cfg!(target_os = "macos") {
     if cfg!(target_arch = "aarch64") { &["aarch64-darwin", "darwin64"] } else { &["darwin64", "x86_64-darwin"] }
 } else if cfg!(target_arch = "x86_64") {
     &["linux64", "x86_64-linux"]

@@ -1,0 +1,184 @@
+//! `lockstep check`: everything that is wrong with scripts and units, before anything runs.
+
+mod fold;
+mod plan;
+mod unit_file;
+
+use crate::catalogue::Catalogue;
+use crate::report;
+use crate::script::Script;
+use dsl::diagnostic::Severity;
+use dsl::scenario::Scenario;
+use fmi2::description::ModelDescription;
+use std::ffi::OsStr;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+/// Checks scripts and .fmu files and runs nothing.
+///
+/// A script is checked with the units that it names; an .fmu file by every rule of FMI 2.0.5, with line and column.
+/// Ends with 0 if nothing is wrong, else with 2.
+#[derive(Debug, clap::Args)]
+pub struct Check {
+    /// Scripts and .fmu files
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
+    /// Sets a parameter of the scripts, for example 'gust = 6 m/s'
+    #[arg(long, value_name = "NAME = VALUE")]
+    set: Vec<String>,
+    /// Where units are looked for before the workspace
+    #[arg(long, value_name = "DIR")]
+    units: Vec<PathBuf>,
+    /// Never build a unit
+    #[arg(long)]
+    no_build: bool,
+    /// Show what a script will do: periods, waves, connections, initialization
+    #[arg(short, long)]
+    verbose: bool,
+    /// Warnings count as errors
+    #[arg(long)]
+    strict: bool,
+}
+
+/// What was found out about one file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Checked {
+    /// Every finding as people read it.
+    findings: String,
+    errors: usize,
+    warnings: usize,
+    /// What there is, if nothing is wrong.
+    facts: String,
+    /// More about it, for `-v`.
+    details: String,
+}
+
+impl Check {
+    /// Runs the command and returns its exit code.
+    #[must_use]
+    pub fn run(&self) -> u8 {
+        let mut all_well = true;
+        let mut catalogue = None;
+        for file in &self.files {
+            match self.one(file, &mut catalogue) {
+                Ok(checked) => {
+                    all_well &= checked.is_well(self.strict);
+                    report::result(&self.told(file, &checked));
+                }
+                Err(message) => {
+                    all_well = false;
+                    report::error(&message, None);
+                }
+            }
+        }
+        if all_well { 0 } else { 2 }
+    }
+
+    fn one(&self, file: &Path, catalogue: &mut Option<Catalogue>) -> Result<Checked, String> {
+        if file.extension() == Some(OsStr::new("fmu")) {
+            return unit_file::check(file).map_err(|error| error.to_string());
+        }
+        let catalogue = match catalogue {
+            Some(catalogue) => catalogue,
+            None => catalogue.insert(self.catalogue()?),
+        };
+        let script = Script::read(file, &self.set, catalogue)
+            .map_err(|error| format!("cannot read {}: {error}", file.display()))?;
+        Ok(of_script(&script, std::io::stdout().is_terminal()))
+    }
+
+    fn catalogue(&self) -> Result<Catalogue, String> {
+        let current = std::env::current_dir().map_err(|error| format!("cannot find the current folder: {error}"))?;
+        Catalogue::new(self.units.clone(), &current, !self.no_build).map_err(|error| error.to_string())
+    }
+
+    fn told(&self, file: &Path, checked: &Checked) -> String {
+        let details = if self.verbose { checked.details.as_str() } else { "" };
+        format!("{}{}\n{details}", checked.findings, checked.summary(&file.display().to_string(), self.strict))
+    }
+}
+
+impl Checked {
+    fn is_well(&self, strict: bool) -> bool {
+        self.errors == 0 && !(strict && self.warnings > 0)
+    }
+
+    /// One line: `flight.scn: ok  4 units, 27 connections, 3 claims`.
+    fn summary(&self, name: &str, strict: bool) -> String {
+        let counts = [(self.errors, "error"), (self.warnings, "warning")];
+        let counts = counts.into_iter().filter(|&(count, _)| count > 0).map(|(count, what)| counted(count, what));
+        let counts = counts.collect::<Vec<_>>().join(", ");
+        match (self.is_well(strict), counts.is_empty()) {
+            (true, true) => format!("{name}: ok  {}", self.facts),
+            (true, false) => format!("{name}: ok  {}  ({counts})", self.facts),
+            (false, _) => format!("{name}: {counts}"),
+        }
+    }
+}
+
+fn of_script(script: &Script, colour: bool) -> Checked {
+    let count = |severity| script.diagnostics.iter().filter(|diagnostic| diagnostic.severity == severity).count();
+    let checked = Checked {
+        findings: script.rendered(colour),
+        errors: count(Severity::Error),
+        warnings: count(Severity::Warning),
+        ..Checked::default()
+    };
+    let Some(scenario) = &script.scenario else { return checked };
+    Checked { facts: facts(scenario), details: plan::text(scenario, &descriptions(script, scenario)), ..checked }
+}
+
+fn facts(scenario: &Scenario) -> String {
+    let counts = [
+        counted(scenario.instances.len(), "unit"),
+        counted(scenario.connections.len(), "connection"),
+        counted(scenario.claims.len(), "claim"),
+    ];
+    counts.join(", ")
+}
+
+/// For each instance what its unit says of itself.
+fn descriptions<'a>(script: &'a Script, scenario: &Scenario) -> Vec<&'a ModelDescription> {
+    let of_instance = |instance: &dsl::scenario::Instance| match script.units.iter().find(|unit| unit.name == instance.unit) {
+        Some(unit) => unit.description.as_ref(),
+        None => unreachable!("a resolved script has found all of its units"),
+    };
+    scenario.instances.iter().map(of_instance).collect()
+}
+
+/// `1 claim`, `2 claims`.
+fn counted(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_summary_tells_what_there_is_or_what_is_wrong() {
+        let with = |errors, warnings| Checked { errors, warnings, facts: "3 units".to_owned(), ..Checked::default() };
+        assert_eq!(with(0, 0).summary("a.scn", true), "a.scn: ok  3 units");
+        assert_eq!(with(0, 1).summary("a.scn", false), "a.scn: ok  3 units  (1 warning)");
+        assert_eq!(with(0, 2).summary("a.scn", true), "a.scn: 2 warnings");
+        assert_eq!(with(1, 2).summary("a.scn", false), "a.scn: 1 error, 2 warnings");
+    }
+
+    #[test]
+    fn a_file_that_is_not_there_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["none.scn", "none.fmu"] {
+            let file = folder.path().join(name);
+            let check = Check {
+                files: vec![file.clone()],
+                set: Vec::new(),
+                units: Vec::new(),
+                no_build: true,
+                verbose: false,
+                strict: false,
+            };
+            let message = check.one(&file, &mut None).unwrap_err();
+            assert!(message.contains(name) && message.contains("No such file"), "{message}");
+        }
+    }
+}

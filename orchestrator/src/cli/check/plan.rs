@@ -1,0 +1,218 @@
+//! What a script will do, as text that one can read and compare: units, connections, initialization, delays.
+
+use super::counted;
+use super::fold::{groups, without_shared_members};
+use crate::trace::shortest_decimal;
+use crate::wiring::{reads_of, seconds};
+use dsl::scenario::{Connection, Drive, InitialStep, Port, RealExpression, Scenario};
+use fmi2::description::{Causality, ModelDescription, Variable};
+use std::fmt::Write;
+
+/// The plan of a script.
+pub(super) fn text(scenario: &Scenario, descriptions: &[&ModelDescription]) -> String {
+    let plan = Plan { scenario, descriptions };
+    let sections = [plan.times(), plan.units(), plan.connections(), plan.initialization(), plan.delays()];
+    sections.into_iter().filter(|section| !section.is_empty()).map(|section| section + "\n").collect()
+}
+
+struct Plan<'a> {
+    scenario: &'a Scenario,
+    descriptions: &'a [&'a ModelDescription],
+}
+
+/// What one line tells about connections that look alike.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Arrow {
+    /// As its only element is written.
+    single: (String, String),
+    /// As several are written together.
+    folded: (String, String),
+    direct: bool,
+    how: String,
+}
+
+impl Plan<'_> {
+    fn times(&self) -> String {
+        let Scenario { step_ns, stop_tick, .. } = self.scenario;
+        let stop = shortest_decimal(seconds(*stop_tick, *step_ns));
+        format!("step {}, stop {stop} s: {}\n", duration(*step_ns), counted(*stop_tick as usize, "step"))
+    }
+
+    fn units(&self) -> String {
+        let instances = &self.scenario.instances;
+        let name_width = width(instances.iter().map(|instance| instance.name.as_str()));
+        let unit_width = width(instances.iter().map(|instance| instance.unit.as_str())) + 2;
+        let mut in_order: Vec<_> = instances.iter().collect();
+        in_order.sort_by_key(|instance| instance.wave);
+        let mut text = String::from("units: those of one wave step together, waves one after the other\n");
+        for instance in in_order {
+            let (unit, period) = (format!("\"{}\"", instance.unit), duration(instance.every * self.scenario.step_ns));
+            let _ = writeln!(
+                text,
+                "  wave {}  {:<name_width$}  {unit:<unit_width$}  every {period}",
+                instance.wave, instance.name
+            );
+        }
+        text
+    }
+
+    fn connections(&self) -> String {
+        let mut lines: Vec<(Arrow, usize)> = Vec::new();
+        for connection in &self.scenario.connections {
+            let arrow = self.arrow(connection);
+            match lines.last_mut().filter(|(last, _)| last.joins(&arrow)) {
+                Some((_, count)) => *count += 1,
+                None => lines.push((arrow, 1)),
+            }
+        }
+        let written = |(arrow, count): &(Arrow, usize)| {
+            let (from, to) = if *count == 1 { &arrow.single } else { &arrow.folded };
+            format!("{from} {} {to}", if arrow.direct { "=>" } else { "->" })
+        };
+        let written: Vec<_> = lines.iter().map(written).collect();
+        let arrow_width = width(written.iter().map(String::as_str));
+        let mut text = String::from("connections\n");
+        for (written, (arrow, count)) in written.iter().zip(&lines) {
+            let values = counted(*count, "value");
+            let _ = writeln!(text, "  {written:<arrow_width$}  {values:<9}  {}", arrow.how);
+        }
+        if lines.is_empty() { String::new() } else { text }
+    }
+
+    fn arrow(&self, connection: &Connection) -> Arrow {
+        let mut sources = Vec::new();
+        reads_of(&connection.source, self.descriptions, &mut |port| {
+            if !sources.contains(&port) {
+                sources.push(port);
+            }
+        });
+        let ports: Vec<_> = sources.iter().chain([&connection.target]).copied().collect();
+        let names: Vec<_> = ports.iter().map(|&port| self.variable(port).name.as_str()).collect();
+        let written = |names: &[String]| {
+            let full = names.iter().zip(&ports).map(|(name, port)| format!("{}.{name}", self.instance(port.instance)));
+            let mut full: Vec<_> = full.collect();
+            let target = full.pop().unwrap_or_default();
+            let from = if full.is_empty() { self.alone(&connection.source) } else { full.join(", ") };
+            (from, target)
+        };
+        Arrow {
+            single: written(&names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>()),
+            folded: written(&without_shared_members(&names)),
+            direct: connection.direct,
+            how: self.how(&connection.source, connection.target),
+        }
+    }
+
+    /// What stands on the left where no port does.
+    fn alone(&self, source: &Drive) -> String {
+        match source {
+            Drive::Real(RealExpression::Constant(value)) => shortest_decimal(*value),
+            Drive::Integer(value) => value.to_string(),
+            Drive::String(text) => format!("\"{text}\""),
+            Drive::Copy(_) | Drive::Real(_) | Drive::Boolean(_) => "time".to_owned(),
+        }
+    }
+
+    fn how(&self, source: &Drive, target: Port) -> String {
+        match source {
+            Drive::Copy(_) => "copied bit for bit".to_owned(),
+            Drive::Real(RealExpression::Constant(_)) | Drive::Integer(_) | Drive::String(_) => "constant".to_owned(),
+            Drive::Real(RealExpression::Signal(_)) => "Integer as Real".to_owned(),
+            Drive::Real(expression) => match converted(expression) {
+                Some(port) => format!("converted from {} to {}", self.unit(port), self.unit(target)),
+                None => "computed".to_owned(),
+            },
+            Drive::Boolean(_) => "computed".to_owned(),
+        }
+    }
+
+    fn initialization(&self) -> String {
+        let mut text = String::from("initialization, in this order\n");
+        for step in &self.scenario.initialization {
+            let (verb, instance, variables): (_, _, Vec<_>) = match step {
+                InitialStep::Set { instance, connections } => {
+                    let targets = connections.iter().map(|&index| self.scenario.connections[index].target.variable);
+                    ("set", *instance, targets.collect())
+                }
+                InitialStep::Get { instance, variables } => ("get", *instance, variables.clone()),
+            };
+            let names = variables.iter().map(|&variable| self.descriptions[instance].variables[variable].name.as_str());
+            let _ = writeln!(text, "  {verb} {}: {}", self.instance(instance), groups(names));
+        }
+        if self.scenario.initialization.is_empty() { String::new() } else { text }
+    }
+
+    /// Outputs that depend directly on an input that `->` brings: they show the input held over the last step.
+    fn delays(&self) -> String {
+        let mut lines = String::new();
+        for (instance, description) in self.descriptions.iter().enumerate() {
+            let mut told: Vec<(String, Vec<&str>)> = Vec::new();
+            for output in &description.structure.outputs {
+                let Some(variable) = description.variables.get(output.index) else { continue };
+                let delayed = |&input: &usize| self.is_delayed(Port { instance, variable: input });
+                let inputs: Vec<_> = match &output.dependencies {
+                    Some(inputs) => inputs.iter().copied().filter(delayed).collect(),
+                    None => (0..description.variables.len()).filter(delayed).collect(),
+                };
+                let inputs = groups(inputs.iter().map(|&input| description.variables[input].name.as_str()));
+                match told.iter_mut().find(|(same, _)| *same == inputs) {
+                    _ if inputs.is_empty() => {}
+                    Some((_, outputs)) => outputs.push(&variable.name),
+                    None => told.push((inputs, vec![&variable.name])),
+                }
+            }
+            for (inputs, outputs) in told {
+                let _ = writeln!(lines, "  {}: {}, from {inputs}", self.instance(instance), groups(outputs));
+            }
+        }
+        let heading = "one step late: outputs that follow directly from an input that `->` brings\n";
+        if lines.is_empty() { lines } else { format!("{heading}{lines}") }
+    }
+
+    fn is_delayed(&self, port: Port) -> bool {
+        let arrow = self.scenario.connections.iter().find(|connection| connection.target == port);
+        self.variable(port).causality == Causality::Input && arrow.is_some_and(|connection| !connection.direct)
+    }
+
+    fn variable(&self, port: Port) -> &Variable {
+        &self.descriptions[port.instance].variables[port.variable]
+    }
+
+    fn instance(&self, instance: usize) -> &str {
+        &self.scenario.instances[instance].name
+    }
+
+    fn unit(&self, port: Port) -> &str {
+        let description = self.descriptions[port.instance];
+        description.unit_of(self.variable(port)).unwrap_or("no unit")
+    }
+}
+
+impl Arrow {
+    fn joins(&self, other: &Self) -> bool {
+        self.folded == other.folded && self.direct == other.direct && self.how == other.how
+    }
+}
+
+/// The port that an expression only brings from one unit of measure to another.
+fn converted(expression: &RealExpression) -> Option<Port> {
+    match expression {
+        RealExpression::Signal(port) => Some(*port),
+        RealExpression::Affine { of, .. } | RealExpression::InverseAffine { of, .. } => converted(of),
+        _ => None,
+    }
+}
+
+/// A period in the largest unit in which it is a whole number.
+fn duration(nanoseconds: u64) -> String {
+    let units = [(1_000_000_000, "s"), (1_000_000, "ms"), (1_000, "us"), (1, "ns")];
+    let whole = units.into_iter().find(|(size, _)| nanoseconds.is_multiple_of(*size) && nanoseconds > 0);
+    whole.map_or_else(|| "0 s".to_owned(), |(size, unit)| format!("{} {unit}", nanoseconds / size))
+}
+
+fn width<'a>(texts: impl Iterator<Item = &'a str>) -> usize {
+    texts.map(|text| text.chars().count()).max().unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests;
