@@ -82,8 +82,8 @@ impl Instance {
         Ok([MAGIC, &*header, &*payload].concat())
     }
 
-    /// Reads a written state and keeps it; returns its index.
-    pub(crate) fn read_bytes(&mut self, bytes: &[u8]) -> Result<usize, Refusal> {
+    /// Reads a written state and keeps it; in place of the one with this index if there is one. Returns its index.
+    pub(crate) fn read_bytes(&mut self, bytes: &[u8], into: Option<usize>) -> Result<usize, Refusal> {
         let refuse = |cause: &str| Refusal::Deserialize { cause: cause.to_owned() };
         let broken = |error: postcard::Error| refuse(&error.to_string());
         let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| refuse("they do not begin as one"))?;
@@ -111,8 +111,13 @@ impl Instance {
             stale: payload.stale,
         };
         let unit = self.body.unit().read_from(&payload.unit).map_err(broken)?;
-        self.saved.push(Box::new(Saved { unit, progress }));
-        Ok(self.saved.len() - 1)
+        let read = Saved { unit, progress };
+        if let Some(saved) = into.and_then(|index| self.saved.get_mut(index)) {
+            **saved = read;
+        } else {
+            self.saved.push(Box::new(read));
+        }
+        Ok(into.unwrap_or(self.saved.len() - 1))
     }
 
     fn header(&self, payload: &[u8]) -> Header {

@@ -94,7 +94,7 @@ pub unsafe fn serialize_state(component: Component, handle: FmuState, buffer: *m
     unsafe { enter(component, Call::SerializeFmuState, work) }
 }
 
-/// `fmi2DeSerializeFMUstate`: always a new handle, as importers hand over places that hold nothing.
+/// `fmi2DeSerializeFMUstate`: a handle of this instance is used again; some importers hand over places that hold nothing.
 pub unsafe fn deserialize_state(
     component: Component,
     buffer: *const c_char,
@@ -105,7 +105,7 @@ pub unsafe fn deserialize_state(
         // SAFETY: the contract of this file.
         let (bytes, handle) =
             unsafe { (values(buffer.cast::<u8>(), size, "serializedState")?, place(handle, "FMUstate")?) };
-        let index = instance.read_bytes(bytes)?;
+        let index = instance.read_bytes(bytes, instance.saved_at(*handle).ok())?;
         *handle = instance.handle(index);
         Ok(Status::Ok)
     };

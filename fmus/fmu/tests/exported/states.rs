@@ -43,6 +43,17 @@ fn another_instance_reads_a_written_state_and_goes_on() {
 }
 
 #[test]
+fn a_written_state_is_read_into_a_handle_that_is_used_again() {
+    let importer = Importer::new().started();
+    let bytes = importer.written(importer.saved());
+    run(&importer, 0..2);
+    let later = importer.saved();
+    let mut handle = later;
+    assert_eq!((importer.read(&bytes, &mut handle), handle), (OK, later));
+    assert_eq!((importer.restore(handle), importer.real(port::POSITION_X)), (OK, 0.0));
+}
+
+#[test]
 fn a_discarded_step_is_made_again_from_a_saved_state() {
     let importer = Importer::new().started();
     let saved = importer.saved();
