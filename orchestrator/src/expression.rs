@@ -9,6 +9,7 @@ pub use compile::Place;
 mod tests;
 
 use crate::values::Values;
+use dsl::scenario::Curve;
 
 /// What a program reads: one moment of a run.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +43,7 @@ enum Operation {
     Unary(Unary),
     Binary(Binary),
     SameText(Box<(Text, Text)>),
+    Curve(Curve),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,6 +96,7 @@ impl Program {
                 Operation::Integer(index) => f64::from(outputs.integers[index as usize]),
                 Operation::Boolean(index) => truth(outputs.booleans[index as usize] != 0),
                 Operation::Rises(index) => truth(moment.rises[index as usize]),
+                Operation::Curve(ref curve) => curve.at(moment.time_s),
                 Operation::SameText(ref texts) => truth(texts.0.read(outputs) == texts.1.read(outputs)),
                 Operation::Affine { factor, offset } => {
                     depth -= 1;

@@ -17,10 +17,10 @@ fn defined(formula: &Formula, at: u64, trace: &[[f64; 2]], ending: Ending) -> Ou
     let mut joined = Joined::new(join);
     match formula {
         Formula::Margin(Margin { value: RealExpression::Signal(port), strict }) => {
-            return sample(port.variable).map(|value| Judged::margin(value, *strict, at));
+            sample(port.variable).map(|value| Judged::margin(value, *strict, at))
         }
         Formula::Condition(BooleanExpression::Margin(Margin { value: RealExpression::Signal(port), .. })) => {
-            return sample(port.variable).map(|value| Judged::condition(value > 0.0, at));
+            sample(port.variable).map(|value| Judged::condition(value > 0.0, at))
         }
         Formula::And(parts) | Formula::Or(parts) => {
             for part in parts {

@@ -2,7 +2,7 @@
 
 use super::{Binary, Operation, Program, Text, Unary};
 use crate::values::Slot;
-use dsl::scenario::{BooleanExpression, Function, Margin, Operand, Port, RealExpression, Value};
+use dsl::scenario::{BooleanExpression, Curve, Function, Margin, Operand, Port, RealExpression, Value};
 use fmi2::description::BaseType;
 
 /// Where the value of a port stands; asked for every signal of an expression.
@@ -22,6 +22,12 @@ impl Program {
     /// Compiles the reading of one number: a Real, Integer, Enumeration or Boolean.
     pub fn compile_signal(port: Port, place: &mut Place<'_>) -> Self {
         Self::compile(|compiler| compiler.signal(port), place)
+    }
+
+    /// The value of a curve over time.
+    #[must_use]
+    pub fn curve(curve: &Curve) -> Self {
+        Self { operations: [Operation::Curve(curve.clone())].into(), stack: [0.0].into() }
     }
 
     fn compile(write: impl FnOnce(&mut Compiler<'_, '_>), place: &mut Place<'_>) -> Self {

@@ -119,6 +119,9 @@ impl Computed {
             }
             (Drive::Integer(value), BaseType::Integer) => ComputedValue::ConstantInteger(*value),
             (Drive::String(text), BaseType::String) => ComputedValue::ConstantText(text.clone()),
+            (Drive::Curve(curve), BaseType::Real) => ComputedValue::Real(Program::curve(curve)),
+            (Drive::Curve(curve), BaseType::Integer) => ComputedValue::Integer(Program::curve(curve)),
+            (Drive::Curve(curve), BaseType::Boolean) => ComputedValue::Boolean(Program::curve(curve)),
             (drive, base) => unreachable!("{drive:?} was resolved for a variable of type {base:?}"),
         };
         Self { to: to.index, value }

@@ -11,7 +11,7 @@ pub fn reads_of(drive: &Drive, descriptions: &[&ModelDescription], told: &mut dy
         Drive::Copy(port) => told(*port),
         Drive::Real(expression) => drop(Program::compile_real(expression, &mut teller(descriptions, told))),
         Drive::Boolean(condition) => reads_of_condition(condition, descriptions, told),
-        Drive::Integer(_) | Drive::String(_) => {}
+        Drive::Integer(_) | Drive::String(_) | Drive::Curve(_) => {}
     }
 }
 

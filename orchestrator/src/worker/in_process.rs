@@ -4,7 +4,7 @@ use super::{Lost, Order, Reply, Terminated, Ticket, Worker};
 use crate::failure::Failure;
 use crate::unit::instance::{Instance, Moment, StepResult};
 use crate::values::Values;
-use crate::wiring::{Group, Member, Pick, Ports, Wiring, seconds};
+use crate::wiring::{Group, Member, Pick, Ports, Span, Wiring, seconds};
 use fmi2::description::BaseType;
 use std::ops::Range;
 
@@ -29,10 +29,33 @@ pub struct InProcess {
 
 #[derive(Debug)]
 struct Seat {
-    index: usize,
     instance: Instance,
-    member: Member,
+    inputs: Calls,
+    outputs: Calls,
+    index: usize,
     failed: bool,
+}
+
+/// What goes in or comes out by one call for each type. Kept small: the loop walks over all of them at each tick.
+#[derive(Debug)]
+struct Calls {
+    reals: Call,
+    /// Most instances have Reals only.
+    others: Option<Box<Others>>,
+}
+
+#[derive(Debug)]
+struct Others {
+    integers: Call,
+    booleans: Call,
+    texts: Call,
+}
+
+/// Values that lie side by side; of none nothing is called.
+#[derive(Debug)]
+struct Call {
+    references: Box<[u32]>,
+    start: usize,
 }
 
 /// The seats of a group, and what its last step brought besides values.
@@ -58,8 +81,9 @@ impl InProcess {
             let first = seats.len();
             for &index in &group.instances {
                 if let Some(instance) = waiting[index].take() {
-                    let member = wiring.members[index].clone();
-                    seats.push(Seat { index, instance, member, failed: false });
+                    let Member { inputs, outputs, .. } = &wiring.members[index];
+                    let (inputs, outputs) = (Calls::new(inputs), Calls::new(outputs));
+                    seats.push(Seat { instance, inputs, outputs, index, failed: false });
                 }
             }
             Team { seats: first..seats.len(), every: group.every, lost: None, terminated: Vec::new() }
@@ -150,7 +174,27 @@ impl Worker for InProcess {
     }
 }
 
+impl Calls {
+    fn new(ports: &Ports) -> Self {
+        let call = |span: &Span| Call { references: span.references.clone().into(), start: span.start };
+        let others = [&ports.integers, &ports.booleans, &ports.texts];
+        let others = others.iter().any(|span| !span.references.is_empty()).then(|| {
+            let [integers, booleans, texts] = others.map(call);
+            Box::new(Others { integers, booleans, texts })
+        });
+        Self { reals: call(&ports.reals), others }
+    }
+}
+
+impl Call {
+    #[inline]
+    fn range(&self) -> Range<usize> {
+        self.start..self.start + self.references.len()
+    }
+}
+
 impl Seat {
+    #[cold]
     fn lose(&mut self, failure: Failure) -> Lost {
         self.failed = true;
         Lost { instance: self.index, failure }
@@ -158,38 +202,36 @@ impl Seat {
 
     #[inline]
     fn set(&mut self, now: Moment, inputs: &Values) -> Result<(), Failure> {
-        let Ports { reals, integers, booleans, texts } = &self.member.inputs;
+        let Calls { reals, others } = &self.inputs;
         if !reals.references.is_empty() {
             self.instance.set_real(now, &reals.references, &inputs.reals[reals.range()])?;
         }
-        if !integers.references.is_empty() {
-            self.instance.set_integer(now, &integers.references, &inputs.integers[integers.range()])?;
-        }
-        if !booleans.references.is_empty() {
-            self.instance.set_boolean(now, &booleans.references, &inputs.booleans[booleans.range()])?;
-        }
-        if !texts.references.is_empty() {
-            self.instance.set_string(now, &texts.references, &inputs.texts[texts.range()])?;
-        }
-        Ok(())
+        if others.is_some() { self.set_others(now, inputs) } else { Ok(()) }
     }
 
     #[inline]
     fn get(&mut self, now: Moment, outputs: &mut Values) -> Result<(), Failure> {
-        let Ports { reals, integers, booleans, texts } = &self.member.outputs;
+        let Calls { reals, others } = &self.outputs;
         if !reals.references.is_empty() {
             self.instance.get_real(now, &reals.references, &mut outputs.reals[reals.range()])?;
         }
-        if !integers.references.is_empty() {
-            self.instance.get_integer(now, &integers.references, &mut outputs.integers[integers.range()])?;
-        }
-        if !booleans.references.is_empty() {
-            self.instance.get_boolean(now, &booleans.references, &mut outputs.booleans[booleans.range()])?;
-        }
-        if !texts.references.is_empty() {
-            self.instance.get_string(now, &texts.references, &mut outputs.texts[texts.range()])?;
-        }
-        Ok(())
+        if others.is_some() { self.get_others(now, outputs) } else { Ok(()) }
+    }
+
+    #[inline(never)]
+    fn set_others(&mut self, now: Moment, inputs: &Values) -> Result<(), Failure> {
+        let Some(Others { integers, booleans, texts }) = self.inputs.others.as_deref() else { return Ok(()) };
+        self.instance.set_integer(now, &integers.references, &inputs.integers[integers.range()])?;
+        self.instance.set_boolean(now, &booleans.references, &inputs.booleans[booleans.range()])?;
+        self.instance.set_string(now, &texts.references, &inputs.texts[texts.range()])
+    }
+
+    #[inline(never)]
+    fn get_others(&mut self, now: Moment, outputs: &mut Values) -> Result<(), Failure> {
+        let Some(Others { integers, booleans, texts }) = self.outputs.others.as_deref() else { return Ok(()) };
+        self.instance.get_integer(now, &integers.references, &mut outputs.integers[integers.range()])?;
+        self.instance.get_boolean(now, &booleans.references, &mut outputs.booleans[booleans.range()])?;
+        self.instance.get_string(now, &texts.references, &mut outputs.texts[texts.range()])
     }
 
     fn set_one(&mut self, now: Moment, pick: &Pick, inputs: &Values) -> Result<(), Failure> {

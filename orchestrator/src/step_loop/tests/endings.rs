@@ -15,9 +15,13 @@ fn below(instance: usize, limit: f64) -> Formula {
 
 /// A unit that counts, but answers otherwise when its step begins at a tick.
 fn otherwise_at(every: u64, wave: usize, tick: u64, answer: fn(&Step) -> Answer) -> super::fake::Fake {
-    answering(every, wave, move |step| {
-        if step.tick == tick { answer(step) } else { Answer::Value(f64::from(step.before + 1)) }
-    })
+    answering(
+        every,
+        wave,
+        move |step| {
+            if step.tick == tick { answer(step) } else { Answer::Value(f64::from(step.before + 1)) }
+        },
+    )
 }
 
 #[test]
