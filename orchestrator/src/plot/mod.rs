@@ -18,8 +18,8 @@ const DEFAULT_PANELS: usize = 4;
 /// What to draw.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
-    /// Names of columns or groups; a position group becomes a path, anything else a panel. Empty: all paths and the
-    /// first few groups.
+    /// Names of columns or groups; a position group becomes a path, anything else a panel, several names with commas
+    /// between them one panel for each unit. Empty: all paths and the first few groups.
     pub signals: Vec<String>,
     /// An Integer or Boolean column at whose changes the first path is marked with letters.
     pub mark: Option<String>,
@@ -120,18 +120,23 @@ impl Trace<'_> {
 
     fn chosen(&self, signals: &[String]) -> Result<(Vec<Path>, Vec<Panel>), PlotError> {
         let (mut paths, mut panels) = (Vec::new(), Vec::new());
-        for name in signals {
-            let members = self.members(name);
-            if members.is_empty() {
-                let nearest = dsl::nearest::nearest(name, self.table.names.iter().map(String::as_str));
-                return Err(PlotError::Unknown { name: name.clone(), nearest: nearest.map(str::to_owned) });
+        for names in signals {
+            let mut curves = Vec::new();
+            for name in names.split(',') {
+                match (self.path(name), self.members(name)) {
+                    (Some(path), _) => paths.push(path),
+                    (None, members) if members.is_empty() => return Err(self.unknown(name)),
+                    (None, members) => curves.extend(members),
+                }
             }
-            match self.path(name) {
-                Some(path) => paths.push(path),
-                None => panels.extend(members.chunk_by(|a, b| self.unit(a) == self.unit(b)).map(|same| self.panel(same))),
-            }
+            panels.extend(curves.chunk_by(|a, b| self.unit(a) == self.unit(b)).map(|same| self.panel(same)));
         }
         Ok((paths, panels))
+    }
+
+    fn unknown(&self, name: &str) -> PlotError {
+        let nearest = dsl::nearest::nearest(name, self.table.names.iter().map(String::as_str));
+        PlotError::Unknown { name: name.to_owned(), nearest: nearest.map(str::to_owned) }
     }
 
     /// All position groups; then the first groups of columns that are no positions, angles of attitude first.
@@ -156,14 +161,12 @@ impl Trace<'_> {
         (paths, panels)
     }
 
-    /// The rows at which a column changes, lettered from A; the first row and the last are A and the last letter.
+    /// The first row, the rows at which a column changes, and the last row, lettered from A.
     fn marks(&self, name: &str) -> Result<Vec<Mark>, PlotError> {
-        let Some(values) = self.column(name) else {
-            let nearest = dsl::nearest::nearest(name, self.table.names.iter().map(String::as_str));
-            return Err(PlotError::Unknown { name: name.to_owned(), nearest: nearest.map(str::to_owned) });
-        };
+        let values = self.column(name).ok_or_else(|| self.unknown(name))?;
         let mut indices = vec![0];
         indices.extend((1..values.len()).filter(|&index| values[index].to_bits() != values[index - 1].to_bits()));
+        indices.push(values.len() - 1);
         let letters = ('A'..='Z').map(String::from);
         Ok(indices.into_iter().zip(letters).map(|(index, word)| Mark { index, word }).collect())
     }

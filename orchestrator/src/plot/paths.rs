@@ -84,7 +84,7 @@ pub(super) fn draw(picture: &mut Picture, paths: &[Path], marks: &[Mark], top: f
             let Some(&point) = first.points_m.get(mark.index) else { continue };
             let (x, y) = view.page(point);
             picture.dot((x, y), 4.0, stroke.colour);
-            picture.text((x, y - 9.0), Anchor::Middle, 13.0, INK, &mark.word);
+            picture.text((x - 7.0, y - 7.0), Anchor::End, 13.0, INK, &mark.word);
         }
     }
     let legend: Vec<_> = paths.iter().zip(strokes).map(|(path, stroke)| (path.name.clone(), stroke)).collect();

@@ -46,11 +46,11 @@ fn angles_are_drawn_in_degrees() {
 }
 
 #[test]
-fn a_mark_stands_at_the_start_and_at_each_change() {
+fn a_mark_stands_at_the_start_at_each_change_and_at_the_end() {
     let (table, notes) = trace();
     let marks = Trace { table: &table, notes: &notes }.marks("path.leg").unwrap();
     let words: Vec<_> = marks.iter().map(|mark| (mark.index, mark.word.as_str())).collect();
-    assert_eq!(words, [(0, "A"), (4, "B"), (8, "C")]);
+    assert_eq!(words, [(0, "A"), (4, "B"), (8, "C"), (9, "D")]);
 }
 
 #[test]

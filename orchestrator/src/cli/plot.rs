@@ -1,0 +1,56 @@
+//! `lockstep plot`: a picture of a run.
+
+use crate::plot::{Selection, draw};
+use crate::report;
+use crate::trace::table::{Table, notes};
+use std::path::PathBuf;
+
+/// Draws paths and signals of a run as SVG.
+#[derive(Debug, clap::Args)]
+pub struct Plot {
+    /// The folder of a run, or a trace.csv
+    run: PathBuf,
+    /// Columns or groups, for example quad.state.position or quad.roll,quad.pitch (one panel); without any: all paths and
+    /// the first groups
+    signals: Vec<String>,
+    /// Where the picture goes [default: plot.svg in the run's folder]
+    #[arg(long, value_name = "F.svg")]
+    out: Option<PathBuf>,
+    /// Mark the first path with letters wherever this column changes, for example path.leg
+    #[arg(long, value_name = "SIGNAL")]
+    mark: Option<String>,
+}
+
+impl Plot {
+    /// Runs the command and returns its exit code.
+    #[must_use]
+    pub fn run(self) -> u8 {
+        let table = match Table::read(&self.run) {
+            Ok(table) => table,
+            Err(error) => {
+                report::error(&error, Some("name the folder that `lockstep run` said, for example runs/first_flight"));
+                return 2;
+            }
+        };
+        let title = self.run.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let selection = Selection { signals: self.signals, mark: self.mark };
+        let picture = match draw(&title, &table, &notes(&self.run), &selection) {
+            Ok(picture) => picture,
+            Err(error) => {
+                report::error(&error, Some(&format!("recorded are: {}", table.names.join(", "))));
+                return 2;
+            }
+        };
+        let beside = if self.run.is_dir() { self.run.join("plot.svg") } else { self.run.with_extension("svg") };
+        let out = self.out.unwrap_or(beside);
+        if let Err(error) = std::fs::write(&out, picture) {
+            report::error(&format!("cannot write {}: {error}", out.display()), None);
+            return 2;
+        }
+        if table.partial {
+            report::status("note: this run did not come to its end; the picture shows what was recorded");
+        }
+        report::result(&format!("{}\n", out.display()));
+        0
+    }
+}

@@ -1,0 +1,75 @@
+//! Every scenario of `scenarios/` runs, holds its claims, and leaves the trace that is kept in `tests/golden/`.
+//!
+//! A golden trace is every n-th row of the whole, below 200 kB, under a comment with the SHA-256 of the whole. `tests/run
+//! --update` writes them anew.
+
+use sha2::{Digest, Sha256};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use tests::program::{repository, run};
+
+const GOLDEN_BYTES: usize = 200_000;
+
+fn scenarios() -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(repository().join("scenarios")).unwrap().map(|entry| entry.unwrap().path());
+    let mut scripts: Vec<_> = entries.filter(|path| path.extension().is_some_and(|e| e == "scn")).collect();
+    scripts.sort();
+    assert!(!scripts.is_empty());
+    scripts
+}
+
+/// The header and as many evenly spaced rows as fit, under the hash of the whole.
+fn decimated(trace: &str) -> String {
+    let rows: Vec<_> = trace.lines().collect();
+    let step = trace.len().div_ceil(GOLDEN_BYTES);
+    let mut hash = String::new();
+    for byte in Sha256::digest(trace.as_bytes()) {
+        write!(hash, "{byte:02x}").unwrap();
+    }
+    let mut golden = format!("# sha256 {hash}, every {step}. of {} rows\n{}\n", rows.len() - 1, rows[0]);
+    for row in rows[1..].iter().step_by(step) {
+        golden.push_str(row);
+        golden.push('\n');
+    }
+    golden
+}
+
+fn run_into(script: &Path, out: &Path) -> String {
+    let said = run(&repository(), &["run", script.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    assert_eq!(said.code, Some(0), "{}\n{}{}", script.display(), said.out, said.err);
+    std::fs::read_to_string(out.join("trace.csv")).unwrap()
+}
+
+#[test]
+fn every_scenario_leaves_its_golden_trace() {
+    let out = tempfile::tempdir().unwrap();
+    for script in scenarios() {
+        let name = script.file_stem().unwrap().to_str().unwrap().to_owned();
+        let golden = decimated(&run_into(&script, &out.path().join(&name)));
+        let path = repository().join("tests/golden").join(&name).with_extension("csv");
+        if std::env::var_os("LOCKSTEP_UPDATE").is_some() {
+            std::fs::write(&path, &golden).unwrap();
+        }
+        let kept = std::fs::read_to_string(&path).unwrap_or_default();
+        let line = kept.lines().zip(golden.lines()).position(|(a, b)| a != b).map(|index| index + 1);
+        assert!(kept == golden, "{name}: the trace differs from {} from its line {line:?} on", path.display());
+    }
+}
+
+#[test]
+fn a_scenario_run_again_leaves_the_same_bytes() {
+    let out = tempfile::tempdir().unwrap();
+    for script in scenarios() {
+        let folders = ["first", "second"].map(|folder| out.path().join(folder));
+        for folder in &folders {
+            run_into(&script, folder);
+        }
+        let [first, second] = folders.each_ref().map(|folder| folder.to_str().unwrap());
+        let said = run(&repository(), &["diff", first, second]);
+        assert_eq!(said.code, Some(0), "{}: {}", script.display(), said.out);
+        for file in ["trace.csv", "signals.json", "verdict.json"] {
+            let [first, second] = folders.each_ref().map(|folder| std::fs::read(folder.join(file)).unwrap());
+            assert!(first == second, "{}: {file} differs", script.display());
+        }
+    }
+}
