@@ -18,39 +18,88 @@ enum Task {
     Set(usize),
 }
 
-/// What has to be done before what.
-type Plan = BTreeMap<Task, BTreeSet<Task>>;
+/// Tasks of one kind and instance, which one call can do together.
+#[derive(Debug, Default)]
+struct Together {
+    /// Those that wait for nothing.
+    ready: Vec<Task>,
+    /// How many wait.
+    waiting: usize,
+}
+
+/// What is left to do.
+#[derive(Debug, Default)]
+struct Plan {
+    /// What each task that is left waits for; empty once it is ready.
+    waits: BTreeMap<Task, BTreeSet<Task>>,
+    /// Who waits for a task.
+    waited_for: BTreeMap<Task, Vec<Task>>,
+    /// The tasks by whether they set, and by instance.
+    groups: BTreeMap<(bool, usize), Together>,
+}
+
+impl Plan {
+    fn add(&mut self, task: Task, connections: &[Wired], waits_for: BTreeSet<Task>) {
+        let together = self.groups.entry(group(task, connections)).or_default();
+        if waits_for.is_empty() {
+            together.ready.push(task);
+        } else {
+            together.waiting += 1;
+        }
+        for awaited in &waits_for {
+            self.waited_for.entry(*awaited).or_default().push(task);
+        }
+        self.waits.insert(task, waits_for);
+    }
+
+    /// One task waits for another no more.
+    fn release(&mut self, waiting: Task, awaited: Task, connections: &[Wired]) {
+        let Some(waits_for) = self.waits.get_mut(&waiting) else { return };
+        if waits_for.remove(&awaited) && waits_for.is_empty() {
+            let together = self.groups.entry(group(waiting, connections)).or_default();
+            together.ready.push(waiting);
+            together.waiting -= 1;
+        }
+    }
+
+    /// Takes the first group that is ready as a whole, else all that is ready of the first one that has any.
+    fn take(&mut self, connections: &[Wired]) -> Option<Vec<Task>> {
+        let ready = || self.groups.iter().filter(|(_, together)| !together.ready.is_empty());
+        let key = *ready().find(|(_, together)| together.waiting == 0).or_else(|| ready().next())?.0;
+        let mut tasks = std::mem::take(&mut self.groups.get_mut(&key)?.ready);
+        tasks.sort_unstable();
+        for task in &tasks {
+            self.waits.remove(task);
+            for waiting in self.waited_for.remove(task).unwrap_or_default() {
+                self.release(waiting, *task, connections);
+            }
+        }
+        Some(tasks)
+    }
+}
 
 impl Scope<'_> {
     /// The steps of initialization; `None` if initial values wait for each other.
     pub fn initialization(&self, connections: &[Wired], presets: &[Vec<Preset>]) -> Option<Vec<InitialStep>> {
-        let mut open = self.plan(connections);
+        let mut plan = self.plan(connections);
         let mut steps = Vec::new();
-        while !open.is_empty() {
-            let Some(next) = largest_ready(&open, connections) else {
-                let circle = circle(&open);
-                let is_preset = |task: &Task| match task {
-                    Task::Set(index) => {
-                        let Port { instance, variable } = connections[*index].connection.target;
-                        presets[instance].iter().any(|preset| preset.variable == variable)
-                    }
-                    Task::Get(_) => false,
-                };
-                let Some(known) = circle.iter().copied().find(is_preset) else {
-                    return self.refuse(self.circle_of_values(&circle, connections));
-                };
-                for waits_for in open.values_mut() {
-                    waits_for.remove(&known);
-                }
+        while !plan.waits.is_empty() {
+            if let Some(tasks) = plan.take(connections) {
+                steps.push(step(&tasks, connections));
                 continue;
+            }
+            let circle = circle(&plan.waits);
+            let is_preset = |task: &Task| match task {
+                Task::Set(index) => {
+                    let Port { instance, variable } = connections[*index].connection.target;
+                    presets[instance].iter().any(|preset| preset.variable == variable)
+                }
+                Task::Get(_) => false,
             };
-            for task in &next {
-                open.remove(task);
-            }
-            for waits_for in open.values_mut() {
-                waits_for.retain(|task| !next.contains(task));
-            }
-            steps.push(step(&next, connections));
+            let Some(known) = circle.iter().position(is_preset) else {
+                return self.refuse(self.circle_of_values(&circle, connections));
+            };
+            plan.release(circle[(known + 1) % circle.len()], circle[known], connections);
         }
         Some(steps)
     }
@@ -58,17 +107,19 @@ impl Scope<'_> {
     fn plan(&self, connections: &[Wired]) -> Plan {
         let index_of: BTreeMap<Port, usize> =
             connections.iter().enumerate().map(|(index, wired)| (wired.connection.target, index)).collect();
-        let mut plan = Plan::new();
+        let mut plan = Plan::default();
         for port in self.sources(connections) {
             let inputs = self.initial_dependencies(port);
-            let driven = index_of.iter().filter(|(target, _)| {
-                target.instance == port.instance
-                    && inputs.as_ref().is_none_or(|inputs| inputs.contains(&target.variable))
-            });
-            plan.insert(Task::Get(port), driven.map(|(_, index)| Task::Set(*index)).collect());
+            let own = Port { variable: 0, ..port }..=Port { variable: usize::MAX, ..port };
+            let driven = index_of
+                .range(own)
+                .filter(|(target, _)| inputs.as_ref().is_none_or(|inputs| inputs.contains(&target.variable)));
+            let waits_for = driven.map(|(_, index)| Task::Set(*index)).collect();
+            plan.add(Task::Get(port), connections, waits_for);
         }
         for (index, wired) in connections.iter().enumerate() {
-            plan.insert(Task::Set(index), self.read_by(&wired.connection.source).into_iter().map(Task::Get).collect());
+            let waits_for = self.read_by(&wired.connection.source).into_iter().map(Task::Get).collect();
+            plan.add(Task::Set(index), connections, waits_for);
         }
         plan
     }
@@ -112,28 +163,12 @@ impl Scope<'_> {
     }
 }
 
-/// The kind and instance that tasks are grouped by.
-fn group(task: &Task, connections: &[Wired]) -> (bool, usize) {
+/// Whether a task sets, and the instance that it speaks to.
+fn group(task: Task, connections: &[Wired]) -> (bool, usize) {
     match task {
         Task::Get(port) => (false, port.instance),
-        Task::Set(index) => (true, connections[*index].connection.target.instance),
+        Task::Set(index) => (true, connections[index].connection.target.instance),
     }
-}
-
-/// The tasks of one group that wait for nothing: the first group that is ready as a whole, else the first that has any.
-fn largest_ready(open: &Plan, connections: &[Wired]) -> Option<Vec<Task>> {
-    let mut groups: BTreeMap<(bool, usize), (Vec<Task>, bool)> = BTreeMap::new();
-    for (task, waits_for) in open {
-        let (ready, is_whole) = groups.entry(group(task, connections)).or_insert((Vec::new(), true));
-        if waits_for.is_empty() {
-            ready.push(*task);
-        } else {
-            *is_whole = false;
-        }
-    }
-    let mut ready: Vec<_> = groups.into_values().filter(|(ready, _)| !ready.is_empty()).collect();
-    ready.sort_by_key(|(_, is_whole)| !is_whole);
-    ready.into_iter().next().map(|(tasks, _)| tasks)
 }
 
 fn step(tasks: &[Task], connections: &[Wired]) -> InitialStep {
@@ -158,9 +193,9 @@ fn step(tasks: &[Task], connections: &[Wired]) -> InitialStep {
 }
 
 /// A circle among tasks of which none is ready, in the direction in which values travel.
-fn circle(open: &Plan) -> Vec<Task> {
+fn circle(waits: &BTreeMap<Task, BTreeSet<Task>>) -> Vec<Task> {
     let mut walked: Vec<Task> = Vec::new();
-    let mut at = open.keys().next().copied();
+    let mut at = waits.keys().next().copied();
     while let Some(task) = at {
         if let Some(start) = walked.iter().position(|walked| *walked == task) {
             let mut circle = walked.split_off(start);
@@ -168,7 +203,7 @@ fn circle(open: &Plan) -> Vec<Task> {
             return circle;
         }
         walked.push(task);
-        at = open.get(&task).and_then(|waits_for| waits_for.first().copied());
+        at = waits.get(&task).and_then(|waits_for| waits_for.first().copied());
     }
     unreachable!("every task that is left waits for another one that is left");
 }

@@ -1,6 +1,6 @@
 //! The braces of an `fmu` line, and what instances lack at the start.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use fmi2::description::{Causality, Kind};
 
@@ -58,6 +58,7 @@ impl Scope<'_> {
 
     /// Warns of inputs that nothing gives a value to.
     pub fn warn_of_missing_starts(&self, connections: &[Wired], presets: &[Vec<Preset>]) {
+        let driven: BTreeSet<Port> = connections.iter().map(|wired| wired.connection.target).collect();
         for (instance, declared) in self.script.instances.iter().enumerate() {
             let Some(description) = self.description(instance) else { continue };
             let lacks = |(variable, declared): &(usize, &fmi2::description::Variable)| {
@@ -65,7 +66,7 @@ impl Scope<'_> {
                 declared.causality == Causality::Input
                     && !declared.has_start()
                     && !presets[instance].iter().any(|preset| preset.variable == *variable)
-                    && !connections.iter().any(|wired| wired.connection.target == port)
+                    && !driven.contains(&port)
             };
             let names: Vec<_> =
                 description.variables.iter().enumerate().filter(lacks).map(|(_, v)| v.name.as_str()).collect();
@@ -81,12 +82,10 @@ impl Scope<'_> {
     /// Warns of instances that draw the same random numbers.
     pub fn warn_of_equal_noise(&self, presets: &[Vec<Preset>]) {
         let instances = &self.script.instances;
-        for (later, declared) in instances.iter().enumerate() {
-            let Some(own) = self.noise(later, presets) else { continue };
-            let twin = (0..later).find(|&earlier| {
-                instances[earlier].unit.text == declared.unit.text
-                    && self.noise(earlier, presets).as_ref() == Some(&own)
-            });
+        let noise: Vec<_> = (0..instances.len()).map(|instance| self.noise(instance, presets)).collect();
+        for (later, declared) in instances.iter().enumerate().filter(|(later, _)| noise[*later].is_some()) {
+            let twin = (0..later)
+                .find(|&earlier| instances[earlier].unit.text == declared.unit.text && noise[earlier] == noise[later]);
             if let Some(twin) = twin {
                 let (first, second) = (&instances[twin].name, declared.name);
                 let message = format!("`{}` and `{}` draw the same random numbers", first.text, second.text);

@@ -21,7 +21,7 @@ impl Scope<'_> {
             }
             Drive::Real(value) => of_real(value, &mut ports),
             Drive::Boolean(condition) => self.of_condition(condition, &mut ports),
-            Drive::Integer(_) | Drive::String(_) => {}
+            Drive::Integer(_) | Drive::String(_) | Drive::Curve(_) => {}
         }
         ports
     }

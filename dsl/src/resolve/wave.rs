@@ -26,13 +26,15 @@ impl Scope<'_> {
                 ports.map(move |port| Edge { from: port.instance, to, wire: wired.wire })
             })
             .collect();
-        let mut waves: Vec<Option<usize>> = vec![None; self.script.instances.len()];
+        let mut waits: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); self.script.instances.len()];
+        for edge in &edges {
+            waits[edge.to].insert(edge.from);
+        }
+        let mut waves: Vec<Option<usize>> = vec![None; waits.len()];
         loop {
-            let ready = |at: &usize| {
-                waves[*at].is_none() && edges.iter().all(|edge| edge.to != *at || waves[edge.from].is_some())
-            };
+            let ready = |at: &usize| waves[*at].is_none() && waits[*at].iter().all(|from| waves[*from].is_some());
             let Some(next) = (0..waves.len()).find(ready) else { break };
-            let after = edges.iter().filter(|edge| edge.to == next).filter_map(|edge| waves[edge.from]).max();
+            let after = waits[next].iter().filter_map(|from| waves[*from]).max();
             waves[next] = Some(after.map_or(0, |wave| wave + 1));
         }
         if let Some(stuck) = waves.iter().position(Option::is_none) {

@@ -15,6 +15,23 @@ loop.rotor_speed[1] in rad/s * 1 m -> loop.setpoint.x";
 }
 
 #[test]
+fn what_depends_on_a_broken_circle_from_outside_waits_for_the_driver() {
+    let line = "fmu loop = \"quadcopter_controller\" { unset = 0 m, stream = 1, setpoint = [1, 2] m }
+loop.rotor_speed[1] in rad/s * 1 m -> loop.setpoint.x
+loop.rotor_speed[2] -> quad.rotor_speed[2]";
+    let scenario = scenario(&flight(line));
+    assert_eq!(
+        scenario.initialization,
+        [
+            InitialStep::Get { instance: 3, variables: vec![18] },
+            InitialStep::Set { instance: 3, connections: vec![1] },
+            InitialStep::Get { instance: 3, variables: vec![19] },
+            InitialStep::Set { instance: 1, connections: vec![0] },
+        ]
+    );
+}
+
+#[test]
 fn a_start_value_off_the_circle_leaves_the_order_alone() {
     let line = "fmu next = \"quadcopter_controller\" { unset = 0 m, stream = 1, state.position.z = 4 m }
 quad.state -> next.state
