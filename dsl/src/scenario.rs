@@ -4,6 +4,9 @@
 //! This is the only type of the language that a run sees. It is flat on purpose: groups, vectors and conversions are
 //! gone, each connection carries one scalar, times are ticks. Reals inside expressions are SI.
 
+mod curve;
+
+pub use curve::Curve;
 use serde::{Deserialize, Serialize};
 
 /// A script, ready to run.
@@ -135,6 +138,8 @@ pub enum Drive {
     Boolean(BooleanExpression),
     /// A text.
     String(String),
+    /// A number, an item's value or a Boolean (0 or 1) over time.
+    Curve(Curve),
 }
 
 /// A real value. Signals are read raw, in their variable's own unit; [`RealExpression::Affine`] brings them to SI.

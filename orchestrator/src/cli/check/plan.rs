@@ -109,7 +109,7 @@ impl Plan<'_> {
             Drive::Real(RealExpression::Constant(value)) => shortest_decimal(*value),
             Drive::Integer(value) => value.to_string(),
             Drive::String(text) => format!("\"{text}\""),
-            Drive::Copy(_) | Drive::Real(_) | Drive::Boolean(_) => "time".to_owned(),
+            Drive::Copy(_) | Drive::Real(_) | Drive::Boolean(_) | Drive::Curve(_) => "time".to_owned(),
         }
     }
 
@@ -123,6 +123,7 @@ impl Plan<'_> {
                 None => "computed".to_owned(),
             },
             Drive::Boolean(_) => "computed".to_owned(),
+            Drive::Curve(_) => "from a table".to_owned(),
         }
     }
 
