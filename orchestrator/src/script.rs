@@ -61,7 +61,12 @@ impl Script {
             Some(folder) if folder != Path::new("") => folder.to_owned(),
             _ => PathBuf::from("."),
         };
-        let name = path.display().to_string();
+        Ok(Self::of_text(path.display().to_string(), folder, text, settings, catalogue))
+    }
+
+    /// Finds out what a text means whose paths are relative to `folder`.
+    #[must_use]
+    pub fn of_text(name: String, folder: PathBuf, text: String, settings: &[String], catalogue: &Catalogue) -> Self {
         let mut script = Self {
             name: name.clone(),
             folder,
@@ -78,7 +83,7 @@ impl Script {
         if script.diagnostics.is_empty() {
             script.resolve(&parsed.file, &settings, catalogue);
         }
-        Ok(script)
+        script
     }
 
     fn assignments(&mut self, settings: &[String]) -> Vec<Binding> {

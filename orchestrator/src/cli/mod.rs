@@ -3,6 +3,7 @@
 pub mod check;
 pub mod describe;
 pub mod diff;
+mod exit_code;
 pub mod new;
 pub mod pack;
 pub mod plot;

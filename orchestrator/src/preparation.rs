@@ -1,6 +1,5 @@
 //! Everything that happens before the first unit is instantiated; whatever is wrong here ends with exit code 2.
 
-use super::Run;
 use crate::catalogue::Catalogue;
 use crate::plan::{Plan, PlannedUnit};
 use crate::report::{error_text, status};
@@ -17,10 +16,27 @@ use tempfile::TempDir;
 /// How many findings about one unit a run mentions.
 const FINDINGS_TOLD: usize = 3;
 
+/// What a run is asked for besides its script.
+#[derive(Clone, Debug)]
+pub struct Wanted {
+    /// Where the results go.
+    pub out: PathBuf,
+    /// End as soon as a claim is lost.
+    pub fail_fast: bool,
+    /// Record rows.
+    pub record: bool,
+    /// What the run reads besides what the script names.
+    pub files: Vec<HashedFile>,
+}
+
 /// A run that can begin.
-pub(super) struct Preparation {
+#[derive(Debug)]
+pub struct Preparation {
+    /// What is run.
     pub plan: Plan,
+    /// What `run.json` says so far.
     pub record: RunRecord,
+    /// The folder of the results, locked.
     pub folder: RunFolder,
     /// Unpacked units and the board; gone when this is dropped.
     pub home: TempDir,
@@ -29,63 +45,65 @@ pub(super) struct Preparation {
 }
 
 /// Why a run cannot begin, as the user reads it.
-pub(super) struct Refusal(pub String);
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal(pub String);
 
 impl Refusal {
-    fn new(message: &impl std::fmt::Display, help: Option<&str>) -> Self {
+    /// An error with what the user can do about it.
+    #[must_use]
+    pub fn new(message: &impl std::fmt::Display, help: Option<&str>) -> Self {
         Self(error_text(message, help))
     }
 }
 
-impl Run {
-    pub(super) fn prepare(&self) -> Result<Preparation, Refusal> {
-        let current = std::env::current_dir()
-            .map_err(|error| Refusal::new(&format!("cannot find the current folder: {error}"), None))?;
-        let catalogue =
-            Catalogue::new(self.units.clone(), &current, !self.no_build).map_err(|error| Refusal::new(&error, None))?;
-        let mut script = self.read_script(&catalogue)?;
-        let Some(scenario) = script.scenario.take() else {
-            return Err(Refusal(script.rendered(std::io::stderr().is_terminal())));
-        };
-        let warnings = script.rendered(std::io::stderr().is_terminal());
-        if !warnings.is_empty() {
-            status(warnings.trim_end());
-        }
-        let files = files_of(&scenario, &script.folder)?;
-        let home = TempDir::with_prefix("lockstep-")
-            .map_err(|error| Refusal::new(&format!("cannot make a folder for the units: {error}"), None))?;
-        let (units, hashes) = unpack_all(&script, home.path())?;
-        let record = record(&script, &scenario, hashes, files);
-        let folder = self.out.clone().unwrap_or_else(|| default_folder(&self.script));
-        let folder = RunFolder::claim(&folder, &record).map_err(|error| Refusal::new(&error, error.help()))?;
-        let plan = self.plan(scenario, units, &script, home.path());
-        Ok(Preparation { plan, record, folder, home, script: script.name })
-    }
+/// Looks for units in these folders and in the workspace around the user's current folder.
+///
+/// # Errors
+/// If a `Cargo.toml` of that workspace cannot be read.
+pub fn catalogue(folders: &[PathBuf], build: bool) -> Result<Catalogue, Refusal> {
+    let current = std::env::current_dir()
+        .map_err(|error| Refusal::new(&format!("cannot find the current folder: {error}"), None))?;
+    Catalogue::new(folders.to_vec(), &current, build).map_err(|error| Refusal::new(&error, None))
+}
 
-    fn read_script(&self, catalogue: &Catalogue) -> Result<Script, Refusal> {
-        Script::read(&self.script, &self.set, catalogue)
-            .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", self.script.display()), None))
+/// Unpacks the units of a script and claims the folder of the results. Warnings are told.
+///
+/// # Errors
+/// Whatever is wrong with the script, its units or the folder.
+pub fn prepare(mut script: Script, wanted: Wanted) -> Result<Preparation, Refusal> {
+    let rendered = script.rendered(std::io::stderr().is_terminal());
+    let Some(scenario) = script.scenario.take() else { return Err(Refusal(rendered)) };
+    if !rendered.is_empty() {
+        status(rendered.trim_end());
     }
+    let files = files_of(&scenario, &script.folder)?.into_iter().chain(wanted.files).collect();
+    let home = TempDir::with_prefix("lockstep-")
+        .map_err(|error| Refusal::new(&format!("cannot make a folder for the units: {error}"), None))?;
+    let (units, hashes) = unpack_all(&script, home.path())?;
+    let record = record(&script, &scenario, hashes, files);
+    let folder = RunFolder::claim(&wanted.out, &record).map_err(|error| Refusal::new(&error, error.help()))?;
+    let plan = Plan {
+        unit_of: scenario.instances.iter().map(|instance| unit_of(&units, &instance.unit)).collect(),
+        scenario,
+        folder: script.folder.canonicalize().unwrap_or_else(|_| script.folder.clone()),
+        board: home.path().join("board"),
+        fail_fast: wanted.fail_fast,
+        record: wanted.record,
+        units,
+    };
+    Ok(Preparation { plan, record, folder, home, script: script.name })
+}
 
-    fn plan(&self, scenario: Scenario, units: Vec<PlannedUnit>, script: &Script, home: &Path) -> Plan {
-        let unit_of = |name: &str| match units.iter().position(|unit| unit.name == name) {
-            Some(unit) => unit,
-            None => unreachable!("a resolved script has found all of its units"),
-        };
-        Plan {
-            unit_of: scenario.instances.iter().map(|instance| unit_of(&instance.unit)).collect(),
-            scenario,
-            folder: script.folder.canonicalize().unwrap_or_else(|_| script.folder.clone()),
-            board: home.join("board"),
-            fail_fast: self.fail_fast,
-            record: self.record.is_none(),
-            units,
-        }
+fn unit_of(units: &[PlannedUnit], name: &str) -> usize {
+    match units.iter().position(|unit| unit.name == name) {
+        Some(unit) => unit,
+        None => unreachable!("a resolved script has found all of its units"),
     }
 }
 
-/// `runs/` and the script's name without its ending.
-fn default_folder(script: &Path) -> PathBuf {
+/// Where the results of a script or unit go unless the user says so: `runs/` and its name without its ending.
+#[must_use]
+pub fn default_folder(script: &Path) -> PathBuf {
     Path::new("runs").join(script.file_stem().unwrap_or(script.as_os_str()))
 }
 

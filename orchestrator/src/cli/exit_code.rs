@@ -1,22 +1,50 @@
-//! The exit codes of a run, which scripts and CI systems rely on.
+//! The exit codes of a run, which scripts and CI systems rely on, and how a run comes to its own.
 
+use crate::execution::{Manner, Outcome, carry_out};
+use crate::preparation::{Preparation, Refusal};
+use crate::report;
+use crate::supervise::SuperviseError;
+use crate::trace::TraceError;
 use crate::trace::verdict::Count;
 
 /// All claims hold, or there are none.
-pub(super) const OK: u8 = 0;
+const OK: u8 = 0;
 /// A claim failed.
-pub(super) const FAILED: u8 = 1;
+const FAILED: u8 = 1;
 /// The script or the command line is wrong: anything before the first unit is instantiated.
-pub(super) const USAGE: u8 = 2;
+const USAGE: u8 = 2;
 /// The run broke: anything from there on.
-pub(super) const BROKEN: u8 = 3;
+const BROKEN: u8 = 3;
 /// There are claims and none was judged.
-pub(super) const UNJUDGED: u8 = 4;
+const UNJUDGED: u8 = 4;
 /// The user interrupted.
-pub(super) const INTERRUPTED: u8 = 130;
+const INTERRUPTED: u8 = 130;
+
+/// Carries out what is prepared, has its outcome told, and returns the exit code.
+pub(super) fn reached(
+    ready: Result<Preparation, Refusal>,
+    manner: Manner,
+    tell: impl FnOnce(&Outcome) -> Result<(), TraceError>,
+) -> u8 {
+    let ready = match ready {
+        Ok(ready) => ready,
+        Err(refusal) => {
+            report::status(refusal.0.trim_end());
+            return USAGE;
+        }
+    };
+    let told = carry_out(ready, manner).and_then(|outcome| {
+        tell(&outcome).map_err(SuperviseError::Trace)?;
+        Ok(of(outcome.ended.interrupted, outcome.ended.failure.is_some(), outcome.verdict.count()))
+    });
+    told.unwrap_or_else(|error| {
+        report::error(&error, if let SuperviseError::Trace(error) = &error { error.help() } else { None });
+        BROKEN
+    })
+}
 
 /// The code of a run that was started; where several fit, interrupted comes first, then broken, unjudged, failed.
-pub(super) fn of(interrupted: bool, broken: bool, claims: Count) -> u8 {
+fn of(interrupted: bool, broken: bool, claims: Count) -> u8 {
     let lost = claims.failed + claims.unjudged;
     if interrupted {
         INTERRUPTED
