@@ -45,6 +45,12 @@ def root():
 
 
 @pytest.fixture(scope="session")
+def packed():
+    """The folder of packed units."""
+    return PACKED
+
+
+@pytest.fixture(scope="session")
 def archives(tmp_path_factory):
     """Every packed unit by name, unpacked once."""
     folder = tmp_path_factory.mktemp("units")

@@ -90,3 +90,11 @@ def test_the_wind_follows_its_equations_with_profile_and_gusts(archives, sample_
     }
     archive = archives["wind"]
     agree(wind.simulate(inputs, parameters, archive.step), simulated(archive, inputs, parameters))
+
+
+def test_a_small_mistake_in_an_equation_would_be_seen(archives):
+    inputs, expected = references.read("wind")
+    parameters = {"turbulence": references.WIND_AT_20_FT * (1 + 1e-5)}
+    mistaken = thinned(wind.simulate(inputs, parameters, archives["wind"].step), len(expected["time"]))
+    with pytest.raises(AssertionError):
+        agree(mistaken, expected)

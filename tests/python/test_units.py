@@ -35,12 +35,17 @@ def inputs_of(archive):
     return inputs and {name: column for name, column in inputs.items() if name != "time"}
 
 
-def run(archive, ticks=TICKS):
-    """A new instance over the first ticks of the unit's input record."""
+def begin(instance, inputs):
+    """Initializes an instance at the first row of its input record."""
+    return instance.initialize(references.row(inputs, 0) if inputs else {})
+
+
+def run(archive):
+    """Outputs of a new instance over the first ticks of the unit's input record."""
     inputs = inputs_of(archive)
     with Instance(archive) as instance:
-        instance.initialize(references.row(inputs, 0) if inputs else {})
-        return [instance.outputs(), *rows(instance, inputs, 0, ticks)]
+        begin(instance, inputs)
+        return [instance.outputs(), *rows(instance, inputs, 0, TICKS)]
 
 
 def test_validation_finds_nothing(unit):
@@ -80,7 +85,7 @@ def test_the_reference_exercises_every_output(unit):
 def test_a_saved_state_goes_on_bit_for_bit(unit):
     inputs, half = inputs_of(unit), TICKS // 2
     with Instance(unit) as instance:
-        instance.initialize(references.row(inputs, 0) if inputs else {})
+        begin(instance, inputs)
         rows(instance, inputs, 0, half)
         state = instance.fmu.getFMUstate()
         first = rows(instance, inputs, half, TICKS)
@@ -93,7 +98,7 @@ def test_a_saved_state_goes_on_bit_for_bit(unit):
 def test_a_state_written_to_bytes_goes_on_in_another_instance(unit):
     inputs, half = inputs_of(unit), TICKS // 2
     with Instance(unit, "one") as one, Instance(unit, "other") as other:
-        one.initialize(references.row(inputs, 0) if inputs else {})
+        begin(one, inputs)
         rows(one, inputs, 0, half)
         state = one.fmu.getFMUstate()
         written = one.fmu.serializeFMUstate(state)
@@ -122,7 +127,7 @@ def test_instances_side_by_side_in_one_thread_do_not_know_of_each_other(unit):
     inputs, alone = inputs_of(unit), run(unit)
     with Instance(unit, "one") as one, Instance(unit, "other") as other:
         for instance in (one, other):
-            instance.initialize(references.row(inputs, 0) if inputs else {})
+            begin(instance, inputs)
         late = rows(one, inputs, 0, TICKS // 2)
         for k in range(TICKS // 2):
             late += rows(one, inputs, TICKS // 2 + k, TICKS // 2 + k + 1)
@@ -133,10 +138,10 @@ def test_instances_side_by_side_in_one_thread_do_not_know_of_each_other(unit):
 def test_a_reset_instance_runs_again_as_new(unit):
     inputs, new = inputs_of(unit), run(unit)
     with Instance(unit) as instance:
-        instance.initialize(references.row(inputs, 0) if inputs else {})
+        begin(instance, inputs)
         rows(instance, inputs, 0, TICKS)
         instance.fmu.reset()
-        instance.initialize(references.row(inputs, 0) if inputs else {})
+        begin(instance, inputs)
         assert [instance.outputs(), *rows(instance, inputs, 0, TICKS)] == new
 
 
