@@ -2,9 +2,9 @@
 //! descriptions. Next on the walk: `scenario.rs`.
 //!
 //! Every error of a script is found in one pass and none is a consequence of another: a part that has no meaning is
-//! `None` from there on, and whatever depends on it stays silent. The passes, in order: [`script`] sorts the statements,
-//! [`parameter`] fixes the parameters, [`grid`] the times, then come [`preset`], [`wire`], [`event`] and [`claim`] over
-//! [`expression`], and at last [`wave`], [`initial`] and [`column`] over the connections.
+//! `None` from there on, and whatever depends on it stays silent. The passes, in order: `script` sorts the statements,
+//! `parameter` fixes the parameters, `grid` the times, then come `preset`, `wire`, `event` and `claim` over
+//! `expression`, and at last `wave`, `initial` and `column` over the connections.
 //!
 //! | code | what is wrong |
 //! |------|---------------|
