@@ -124,7 +124,10 @@ impl fmt::Display for Failure {
             }
             Cause::Hung(limit_s) => write!(f, " has been {place} for {limit_s} s,")?,
             Cause::NonFinite { variable, value } => write!(f, ": `{variable}` is {value}")?,
-            Cause::Other(text) => write!(f, ": {text}")?,
+            Cause::Other(text) => {
+                let comma = if self.time_s.is_some() { "," } else { "" };
+                write!(f, ": {text}{comma}")?;
+            }
         }
         match self.time_s {
             Some(time_s) => write!(f, " at {time_s} s"),

@@ -126,7 +126,7 @@ mod tests {
     fn without_a_terminal_there_is_a_line_for_each_tenth_reached() {
         assert_eq!(
             told(Style::Tenths),
-            " 50 %  1.00 s of 2 s  2x  0.5 s left\n100 %  2.00 s of 2 s  4x\n0.5 s  quad  warning  low battery\n"
+            " 50 %  1.00 s of 2 s  2x\n100 %  2.00 s of 2 s  4x\n0.5 s  quad  warning  low battery\n"
         );
     }
 

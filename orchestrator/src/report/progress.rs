@@ -45,7 +45,7 @@ impl Progress {
     pub fn line(&self) -> String {
         let (time, stop) = (decimals_like(self.time_s, self.stop_s), shortest_decimal(self.stop_s));
         let mut line = format!("{time} s of {stop} s  {}x", short(self.speed()));
-        if let Some(left_s) = self.left_s().filter(|&left_s| left_s > 0.0) {
+        if let Some(left_s) = self.left_s().filter(|&left_s| left_s >= 1.0) {
             line.push_str(&format!("  {} left", duration(left_s)));
         }
         if let Some(claim) = self.tightest() {
