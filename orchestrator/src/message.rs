@@ -13,7 +13,7 @@ pub enum Message {
     Warning(String),
     /// The run ended by itself; nothing follows.
     Finished(Finish),
-    /// The run broke; nothing follows.
+    /// The run broke; nothing follows but words of units that are freed.
     Broken(Failure),
 }
 

@@ -1,0 +1,142 @@
+//! Whole flights of a foreign unit in C, from the plan to the board, in this process.
+#![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
+
+use dsl::scenario::{
+    BooleanExpression, Column, Connection, Drive, Event, Instance, Port, Preset, Scenario, Set, Value,
+};
+use fmi2::calls::Call;
+use orchestrator::child;
+use orchestrator::failure::{Cause, Doing};
+use orchestrator::message::{Finish, Message, Reason};
+use orchestrator::plan::{Plan, PlannedUnit};
+use orchestrator::unit::archive::unpack;
+use orchestrator::unit::board::{Board, BoardLayout};
+use std::path::PathBuf;
+use std::sync::Arc;
+use tests::foreign::Foreign;
+
+/// Variables of the foreign unit.
+const U: usize = 0;
+const GAIN: usize = 1;
+const Y: usize = 2;
+const COUNT: usize = 3;
+const ENABLED: usize = 4;
+const LABEL: usize = 5;
+
+const STEP_S: f64 = 0.5;
+
+fn port(instance: usize, variable: usize) -> Port {
+    Port { instance, variable }
+}
+
+/// `a` gets 3 from 1 s to 2 s, `b` follows `a`; ten steps of half a second.
+fn scenario() -> Scenario {
+    let instance = |name: &str, gain| Instance {
+        name: name.to_owned(),
+        unit: "foreign.fmu".to_owned(),
+        every: 1,
+        wave: 0,
+        presets: vec![
+            Preset { variable: GAIN, value: Value::Real(gain) },
+            Preset { variable: LABEL, value: Value::String("label".to_owned()) },
+            Preset { variable: U, value: Value::Real(1.0) },
+        ],
+    };
+    let set = |variable, value| Set { target: port(0, variable), value };
+    let column = |(instance, variable)| Column { name: String::new(), port: port(instance, variable) };
+    Scenario {
+        title: "Two units".to_owned(),
+        step_ns: 500_000_000,
+        stop_tick: 10,
+        parameters: Vec::new(),
+        instances: vec![instance("a", 2.0), instance("b", 1.0)],
+        initialization: Vec::new(),
+        connections: vec![Connection { target: port(1, U), source: Drive::Copy(port(0, Y)), direct: false }],
+        events: vec![Event {
+            from: 2,
+            until: Some(4),
+            sets: vec![
+                set(U, Drive::Real(dsl::scenario::RealExpression::Constant(3.0))),
+                set(ENABLED, Drive::Boolean(BooleanExpression::Constant(true))),
+            ],
+        }],
+        rises: Vec::new(),
+        claims: Vec::new(),
+        columns: [(0, U), (0, Y), (1, Y), (1, COUNT), (0, ENABLED)].map(column).to_vec(),
+    }
+}
+
+struct Flown {
+    rows: Vec<Vec<u64>>,
+    end: Message,
+}
+
+fn fly(scenario: Scenario, foreign: &Foreign) -> Flown {
+    let (folder, fmu) = foreign.build();
+    let unpacked = unpack(&fmu, &folder.path().join("unpacked")).unwrap();
+    let unit =
+        PlannedUnit { name: "foreign.fmu".to_owned(), folder: unpacked.folder, description: unpacked.description };
+    let layout = BoardLayout { notes: 1, columns: scenario.columns.len(), claims: 0 };
+    let unit_of = vec![0; scenario.instances.len()];
+    let (folder, board) = (PathBuf::new(), PathBuf::new());
+    let plan = Plan { scenario, units: vec![unit], unit_of, folder, board, fail_fast: false, record: true };
+    let board = Arc::new(Board::private(&layout).unwrap());
+    child::fly(&plan, &board);
+    let (mut rows, mut messages) = (Vec::new(), Vec::new());
+    board.pop_rows(|_, row| rows.push(row.to_vec()));
+    board.pop_messages(|bytes| messages.push(postcard::from_bytes::<Message>(bytes).unwrap()));
+    // Units that are freed after a break may still say something.
+    messages.retain(|message| !matches!(message, Message::Log(_)));
+    assert_eq!(messages.len(), 1, "a run ends once");
+    Flown { rows, end: messages.pop().unwrap() }
+}
+
+fn misbehaving(call: &str, how: &str, from_s: f64) -> Flown {
+    let defines = [("CALL", call.to_owned()), ("HOW", how.to_owned()), ("FROM_S", from_s.to_string())];
+    let defines = defines.map(|(name, value)| format!("MISBEHAVE_{name}={value}"));
+    fly(scenario(), &Foreign { defines: &defines.each_ref().map(String::as_str), ..Foreign::default() })
+}
+
+#[test]
+fn two_foreign_units_fly_as_their_equations_say_bit_for_bit() {
+    let flown = fly(scenario(), &Foreign::default());
+    assert_eq!(flown.end, Message::Finished(Finish { last_tick: 10, reason: Reason::StopTime }));
+    let (mut a, mut b) = (0.0, 0.0);
+    for (tick, row) in flown.rows.iter().enumerate() {
+        let open = (2..4).contains(&tick);
+        let u: f64 = if open { 3.0 } else { 1.0 };
+        let expected = [u.to_bits(), f64::to_bits(a), f64::to_bits(b), tick as u64, u64::from(open)];
+        assert_eq!(row, &expected, "row {tick}");
+        (a, b) = (a + STEP_S * (2.0 * u - a), b + STEP_S * (a - b));
+    }
+    assert_eq!(flown.rows.len(), 11);
+}
+
+#[test]
+fn a_unit_that_is_done_within_a_step_leaves_the_row_before() {
+    let flown = misbehaving("STEP", "TERMINATED", 2.0);
+    assert_eq!(flown.end, Message::Finished(Finish { last_tick: 4, reason: Reason::Terminated(0) }));
+    assert_eq!(flown.rows.len(), 5);
+}
+
+#[test]
+fn what_breaks_a_flight_is_named_and_the_rows_before_are_kept() {
+    let step = Doing::Call(Call::DoStep);
+    let not_a_number = || Cause::NonFinite { variable: "y".to_owned(), value: "NaN".to_owned() };
+    for (call, how, from_s, doing, time_s, cause, rows) in [
+        ("STEP", "ERROR_STATUS", 2.0, step, 2.0, Cause::Status(3), 5),
+        ("STEP", "FATAL", 2.0, step, 2.0, Cause::Status(4), 5),
+        ("STEP", "STATUS_42", 0.0, step, 0.0, Cause::Status(42), 1),
+        ("SET", "ERROR_STATUS", 1.5, Doing::Call(Call::SetReal), 1.5, Cause::Status(3), 4),
+        ("STEP", "NOT_A_NUMBER", 2.0, Doing::Call(Call::GetReal), 2.5, not_a_number(), 5),
+        ("TERMINATE", "ERROR_STATUS", 0.0, Doing::Call(Call::Terminate), 5.0, Cause::Status(3), 11),
+        ("ENTER", "ERROR_STATUS", 0.0, Doing::Call(Call::EnterInitializationMode), 0.0, Cause::Status(3), 0),
+        ("INSTANTIATE", "NO_INSTANCE", 0.0, Doing::Call(Call::Instantiate), 0.0, Cause::NoInstance, 0),
+    ] {
+        let flown = misbehaving(call, how, from_s);
+        let Message::Broken(failure) = flown.end else { panic!("{call} {how} ended with {:?}", flown.end) };
+        assert_eq!(failure.instance.as_deref(), Some("a"), "{call} {how}");
+        assert_eq!((failure.doing, failure.time_s, failure.cause), (doing, Some(time_s), cause), "{call} {how}");
+        assert_eq!(flown.rows.len(), rows, "{call} {how}");
+    }
+}
