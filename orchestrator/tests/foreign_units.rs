@@ -1,10 +1,7 @@
 //! A unit in C that nobody here linked: loaded, heard, stepped, and believed only as far as it goes.
 #![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
 
-mod foreign;
-
 use fmi2::calls::Call;
-use foreign::Foreign;
 use orchestrator::failure::{Cause, Doing, Failure};
 use orchestrator::message::LogMessage;
 use orchestrator::unit::archive::{Unpacked, unpack};
@@ -13,6 +10,7 @@ use orchestrator::unit::instance::{Instance, Moment, Setting, StepResult};
 use orchestrator::unit::library::Library;
 use std::sync::{Arc, Mutex};
 use tempfile::TempDir;
+use tests::foreign::Foreign;
 
 const STEP_S: f64 = 0.5;
 const U: u32 = 0;

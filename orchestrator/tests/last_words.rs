@@ -1,10 +1,7 @@
 //! A process that a unit ends, in any way and in any call, leaves a note that names instance, call and tick.
 #![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
 
-mod foreign;
-
 use fmi2::calls::Call;
-use foreign::Foreign;
 use orchestrator::failure::Doing;
 use orchestrator::unit::archive::{read_description, unpack};
 use orchestrator::unit::board::{Board, BoardLayout};
@@ -15,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use tests::foreign::Foreign;
 
 const FOLDER: &str = "LAST_WORDS_FOLDER";
 const LAYOUT: BoardLayout = BoardLayout { notes: 1, columns: 1, claims: 0 };

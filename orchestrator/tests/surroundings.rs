@@ -2,9 +2,6 @@
 //! directory belongs to all threads.
 #![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
 
-mod foreign;
-
-use foreign::Foreign;
 use orchestrator::unit::archive::unpack;
 use orchestrator::unit::board::{Board, BoardLayout};
 use orchestrator::unit::instance::{Instance, Setting};
@@ -12,6 +9,7 @@ use orchestrator::unit::library::Library;
 use std::env::current_dir;
 use std::hint::black_box;
 use std::sync::Arc;
+use tests::foreign::Foreign;
 
 #[test]
 fn an_instantiate_that_changes_rounding_and_folder_is_undone() {

@@ -8,6 +8,7 @@ use tempfile::TempDir;
 use zip::write::SimpleFileOptions;
 
 /// How the unit is built and packed.
+#[derive(Debug)]
 pub struct Foreign<'a> {
     /// Names and values for the compiler's `-D`, see `tests/foreign/unit.c`.
     pub defines: &'a [&'a str],
@@ -24,10 +25,15 @@ impl Default for Foreign<'_> {
     }
 }
 
+#[allow(clippy::unwrap_used, reason = "a test that cannot build its unit has failed")]
 impl Foreign<'_> {
     /// Makes `foreign.fmu` in a folder that goes away with what is returned.
+    ///
+    /// # Panics
+    /// If the compiler is missing or refuses, or a text to exchange is not there.
+    #[must_use]
     pub fn build(&self) -> (TempDir, PathBuf) {
-        let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/foreign");
+        let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("foreign");
         let folder = tempfile::tempdir().unwrap();
         let library = folder.path().join("foreign.so");
         let compiled = Command::new("cc")
