@@ -169,6 +169,12 @@ mod tests {
                 Some(1.5),
                 Cause::NonFinite { variable: "position.x".into(), value: "NaN".into() },
             ),
+            told(
+                "quad",
+                step,
+                Some(0.5),
+                Cause::Other("fmi2DoStep returned fmi2Pending, but nobody asked for it".into()),
+            ),
             told("quad", Doing::Load, None, Cause::Other("quad.fmu has no binary for linux64 (it has: win64)".into())),
         ];
         insta::assert_snapshot!(texts.concat());

@@ -155,10 +155,12 @@ mod tests {
 
     #[test]
     fn columns_are_explained_by_the_file_beside_them() {
-        let folder = folder_with("signals.json", r#"[{"name": "a.b", "unit": "m", "type": "Real", "causality": "output"}]"#);
+        let folder =
+            folder_with("signals.json", r#"[{"name": "a.b", "unit": "m", "type": "Real", "causality": "output"}]"#);
         let note = ColumnNote { name: "a.b".to_owned(), unit: Some("m".to_owned()), kind: "Real".to_owned() };
-        assert_eq!(notes(&folder.path().join("trace.csv")), [note.clone()]);
-        assert_eq!(notes(folder.path()), [note]);
+        let expected = [note];
+        assert_eq!(notes(&folder.path().join("trace.csv")), expected);
+        assert_eq!(notes(folder.path()), expected);
         assert_eq!(notes(Path::new("/no/such/run")), []);
     }
 }
