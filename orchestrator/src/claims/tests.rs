@@ -76,33 +76,44 @@ fn eventually(from: u64, to: Option<u64>, body: Formula) -> Formula {
     Formula::Eventually(TickWindow { from, to }, Box::new(body))
 }
 
-fn any_formula() -> impl Strategy<Value = Formula> {
+fn any_atom() -> impl Strategy<Value = Formula> {
     let condition =
         |variable| Formula::Condition(BooleanExpression::Margin(Margin { value: signal(variable), strict: true }));
-    let atom = prop_oneof![
+    prop_oneof![
         (0..2_usize, any::<bool>()).prop_map(|(variable, strict)| above_zero(variable, strict)),
         (0..2_usize).prop_map(condition),
-    ];
-    atom.prop_recursive(4, 12, 3, |inner| {
-        let window = (0..4_u64, prop::option::weighted(0.7, 0..4_u64))
-            .prop_map(|(from, more)| (from, more.map(|more| from + more)));
-        prop_oneof![
-            prop::collection::vec(inner.clone(), 1..4).prop_map(Formula::And),
-            prop::collection::vec(inner.clone(), 1..4).prop_map(Formula::Or),
-            (window.clone(), inner.clone()).prop_map(|((from, to), body)| always(from, to, body)),
-            (window, inner).prop_map(|((from, to), body)| eventually(from, to, body)),
-        ]
+    ]
+}
+
+fn any_word(body: impl Strategy<Value = Formula>) -> impl Strategy<Value = Formula> {
+    let to = prop::option::weighted(0.6, 0..4_u64);
+    (any::<bool>(), 0..3_u64, to, body).prop_map(|(all, from, more, body)| {
+        let to = more.map(|more| from + more);
+        if all { always(from, to, body) } else { eventually(from, to, body) }
     })
+}
+
+fn any_junction(part: impl Strategy<Value = Formula>) -> impl Strategy<Value = Formula> {
+    let parts = prop::collection::vec(part, 1..4);
+    (any::<bool>(), parts).prop_map(|(all, parts)| if all { Formula::And(parts) } else { Formula::Or(parts) })
+}
+
+/// Formulas of any shape, and such as have words inside words for sure.
+fn any_formula() -> impl Strategy<Value = Formula> {
+    let any_shape =
+        any_atom().prop_recursive(4, 12, 3, |inner| prop_oneof![any_junction(inner.clone()), any_word(inner)]);
+    let inner = any_junction(prop_oneof![any_atom(), any_word(prop_oneof![any_atom(), any_word(any_atom())])]);
+    prop_oneof![any_shape, any_word(any_word(inner))]
 }
 
 /// Small whole numbers, so that margins are often equal or zero.
 fn any_trace() -> impl Strategy<Value = Vec<[f64; 2]>> {
     let value = || prop_oneof![20 => (-3..4_i32).prop_map(f64::from), 1 => Just(f64::NAN)];
-    prop::collection::vec((value(), value()).prop_map(|(a, b)| [a, b]), 1..16)
+    prop::collection::vec((value(), value()).prop_map(|(a, b)| [a, b]), 1..12)
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 4096, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn a_claim_gets_the_verdict_margin_and_tick_of_its_definition(
