@@ -82,9 +82,10 @@ class Loop:
         for name in ("path", "air", "quad"):
             self.gather(name)
 
-    def row(self):
-        outputs = {f"{name}.{port}": value for name, ports in self.shown.items() for port, value in ports.items()}
-        return outputs | {f"{name}.{port}": value for name, ports in self.acted.items() for port, value in ports.items()}
+
+def named(values):
+    """Values by `instance.port`."""
+    return {f"{name}.{port}": value for name, ports in values.items() for port, value in ports.items()}
 
 
 def fly(archives, ticks, values=FIRST_FLIGHT, disturbance=lambda _: {}):
@@ -94,10 +95,8 @@ def fly(archives, ticks, values=FIRST_FLIGHT, disturbance=lambda _: {}):
         loop.initialize()
         rows = []
         for tick in range(ticks):
-            shown = loop.row()
+            shown = named(loop.shown)
             loop.step(tick)
-            acted = loop.row()
-            inputs = {f"{name}.{port}": acted[f"{name}.{port}"] for name in UNITS for port in loop.acted[name]}
-            rows.append({"time": seconds(tick), **shown, **inputs})
-        rows.append({**loop.row(), "time": seconds(ticks)})
+            rows.append({"time": seconds(tick), **shown, **named(loop.acted)})
+        rows.append({"time": seconds(ticks), **named(loop.shown), **named(loop.acted)})
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}

@@ -23,8 +23,8 @@ class Archive:
 
     def group(self, prefix):
         """Members of a group: what follows its name."""
-        members = [name.removeprefix(prefix) for name in self.variables if name.startswith((f"{prefix}.", f"{prefix}["))]
-        return members or [""]
+        members = [name for name in self.variables if name.startswith((f"{prefix}.", f"{prefix}["))]
+        return [name.removeprefix(prefix) for name in members or [prefix]]
 
     def item(self, name, text):
         """Number of an item of an enumeration."""

@@ -5,7 +5,6 @@ interpolates. Every nth row of the result is kept, the last among them, n so tha
 """
 
 import argparse
-import math
 from pathlib import Path
 from tempfile import TemporaryDirectory
 

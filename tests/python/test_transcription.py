@@ -24,9 +24,9 @@ def agree(ours, theirs):
 
 def simulated(archive, inputs, parameters):
     """The unit over the same inputs, in FMPy, at every communication point."""
-    numbers = {n: archive.item(n, v) if archive.variables[n].type == "Enumeration" else v for n, v in parameters.items()}
+    items = {n: archive.item(n, v) for n, v in parameters.items() if archive.variables[n].type == "Enumeration"}
     result = fmpy.simulate_fmu(
-        str(archive.path), stop_time=inputs["time"][-1], output_interval=archive.step, start_values=numbers,
+        str(archive.path), stop_time=inputs["time"][-1], output_interval=archive.step, start_values=parameters | items,
         input=csv_record.for_fmpy(references.typed(archive, inputs)), output=archive.names("output"),
     )
     return {name: result[name] for name in ["time", *archive.names("output")]}
