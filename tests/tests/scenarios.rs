@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use tests::program::{repository, run};
 
-const GOLDEN_BYTES: usize = 200_000;
+const GOLDEN_BYTES: usize = 190_000;
 
 fn scenarios() -> Vec<PathBuf> {
     let entries = std::fs::read_dir(repository().join("scenarios")).unwrap().map(|entry| entry.unwrap().path());

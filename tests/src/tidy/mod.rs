@@ -17,7 +17,7 @@ pub fn findings(root: &Path) -> std::io::Result<Vec<String>> {
         findings.extend(opening(&path, &text));
         findings.extend(length::findings(&path, &text));
         findings.extend(borders::unsafe_code(&path, &text));
-        findings.extend(borders::zenoh(&path, &text));
+        findings.extend(borders::bus(&path, &text));
     }
     findings.extend(borders::dependencies(root)?);
     findings.extend(citations::findings(root)?);
