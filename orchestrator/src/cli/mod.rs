@@ -8,6 +8,7 @@ pub mod new;
 pub mod pack;
 pub mod plot;
 pub mod run;
+pub mod simulate;
 
 use crate::report;
 use crate::unit::describe::library_description;
@@ -26,6 +27,7 @@ pub struct Cli {
 enum Command {
     Run(run::Run),
     Check(check::Check),
+    Simulate(simulate::Simulate),
     Describe(describe::Describe),
     Pack(pack::Pack),
     New(new::New),
@@ -49,6 +51,7 @@ impl Cli {
         match self.command {
             Command::Run(run) => run.run(),
             Command::Check(check) => check.run(),
+            Command::Simulate(simulate) => simulate.run(),
             Command::Describe(describe) => describe.run(),
             Command::Pack(pack) => pack.run(),
             Command::New(new) => new.run(),

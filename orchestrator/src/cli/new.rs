@@ -64,7 +64,10 @@ impl Unit {
         }
         let type_name = camel_case(&self.name);
         let fill = |template: &str| {
-            template.replace("{{name}}", &self.name).replace("{{Type}}", &type_name).replace("{{fmu}}", &toml_text(&fmu))
+            template
+                .replace("{{name}}", &self.name)
+                .replace("{{Type}}", &type_name)
+                .replace("{{fmu}}", &toml_text(&fmu))
         };
         let files = [
             ("Cargo.toml".to_owned(), include_str!("new/Cargo.toml.in")),
@@ -75,7 +78,8 @@ impl Unit {
         ];
         for (file, template) in files {
             let path = folder.join(file);
-            let written = path.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(&path, fill(template)));
+            let written =
+                path.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(&path, fill(template)));
             written.map_err(|error| (format!("cannot write {}: {error}", path.display()), None))?;
         }
         Ok(())

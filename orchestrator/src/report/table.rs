@@ -72,7 +72,9 @@ fn shell_word(text: &str) -> String {
     format!("'{}'", text.replace('\'', "'\\''"))
 }
 
-fn heading_line(heading: &Heading, verdict: &Verdict) -> String {
+/// The first line of a report: how far the run came, how fast, with which parameters.
+#[must_use]
+pub fn heading_line(heading: &Heading, verdict: &Verdict) -> String {
     let (reached, stop) = (shortest_decimal(verdict.time_s), shortest_decimal(heading.stop_s));
     let how_far = match heading.ending {
         Ending::Finished if verdict.time_s < heading.stop_s => format!("{reached} s of {stop} s, {},", verdict.end),
@@ -82,7 +84,8 @@ fn heading_line(heading: &Heading, verdict: &Verdict) -> String {
     };
     let speed = if heading.wall_s > 0.0 { short(verdict.time_s / heading.wall_s) } else { "inf".to_owned() };
     let parameters = parameters_line(&verdict.parameters);
-    format!("{}  {how_far} in {} ({speed}x)  {parameters}\n", heading.script, duration(heading.wall_s))
+    let line = format!("{}  {how_far} in {} ({speed}x)  {parameters}", heading.script, duration(heading.wall_s));
+    line.trim_end().to_owned() + "\n"
 }
 
 /// The seed first, then the others as declared.

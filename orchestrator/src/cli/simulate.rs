@@ -1,0 +1,104 @@
+//! `lockstep simulate`: one unit alone, as FMPy and fmusim users know it.
+
+mod alone;
+mod experiment;
+mod input_file;
+mod start_values;
+
+use super::exit_code;
+use crate::execution::{Manner, Outcome};
+use crate::preparation::{self, Preparation, Refusal, Wanted, default_folder};
+use crate::report;
+use crate::report::console::Style;
+use crate::report::table::{heading_line, next_lines};
+use crate::trace::TraceError;
+use crate::trace::run_folder::TRACE_CSV;
+use crate::trace::run_record::{HashedFile, sha256};
+use alone::Alone;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Simulates one unit alone.
+///
+/// Stop time and step are those of the unit's DefaultExperiment, or one second in steps of a thousandth. All outputs and
+/// inputs are recorded under their own names. Ends with 0 if the unit came to the end, 2 if the command line is wrong,
+/// 3 if the run broke, 130 if it was interrupted.
+#[derive(Debug, clap::Args)]
+pub struct Simulate {
+    /// An .fmu file, or a unit as scripts name it
+    unit: String,
+    /// When to end, for example 10s; a bare number is in seconds
+    #[arg(long, value_name = "TIME", value_parser = experiment::time)]
+    stop: Option<f64>,
+    /// The communication step, for example 10ms; a bare number is in seconds
+    #[arg(long, value_name = "TIME", value_parser = experiment::time)]
+    step: Option<f64>,
+    /// Sets a parameter or start value, for example 'mass = 1.6 kg'; a bare number is in the variable's own unit
+    #[arg(long, value_name = "NAME = VALUE")]
+    set: Vec<String>,
+    /// Inputs over time: the first column is the time in seconds, the others are named as inputs or tunable parameters.
+    /// Reals are interpolated, everything else is held; so are the ends
+    #[arg(long, value_name = "FILE.csv")]
+    input: Option<PathBuf>,
+    /// Where the results go; a folder of an earlier run is replaced [default: runs/UNIT]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Copies the recorded rows to this file too
+    #[arg(long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+    /// Where units are looked for before the workspace
+    #[arg(long, value_name = "DIR")]
+    units: Vec<PathBuf>,
+    /// Never build a unit
+    #[arg(long)]
+    no_build: bool,
+    /// How long a call of the unit may take before the run is given up; 0 waits for ever
+    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = humantime::parse_duration)]
+    step_timeout: Duration,
+}
+
+impl Simulate {
+    /// Runs the command and returns its exit code.
+    #[must_use]
+    pub fn run(&self) -> u8 {
+        let manner = Manner { style: Style::fitting(false), step_timeout: self.step_timeout };
+        exit_code::reached(self.prepare(), manner, |outcome| self.tell(outcome))
+    }
+
+    fn prepare(&self) -> Result<Preparation, Refusal> {
+        let catalogue = preparation::catalogue(&self.units, !self.no_build)?;
+        let alone = Alone::find(&self.unit, &catalogue)?;
+        let (curves, files) = match &self.input {
+            Some(path) => {
+                let (curves, file) = self.read_input(path, &alone)?;
+                (curves, vec![file])
+            }
+            None => (Vec::new(), Vec::new()),
+        };
+        let experiment = experiment::Experiment::new(self.stop, self.step, &alone.description);
+        let script = alone.script(&experiment, &self.set, curves, &catalogue);
+        let out = self.out.clone().unwrap_or_else(|| default_folder(Path::new(&self.unit)));
+        preparation::prepare(script, Wanted { out, fail_fast: false, record: true, files })
+    }
+
+    fn read_input(&self, path: &Path, alone: &Alone) -> Result<(input_file::Curves, HashedFile), Refusal> {
+        let name = path.display().to_string();
+        let cannot_read = |reason: &dyn std::fmt::Display| Refusal::new(&format!("cannot read {name}: {reason}"), None);
+        let bytes = std::fs::read(path).map_err(|error| cannot_read(&error))?;
+        let file = HashedFile { name: name.clone(), sha256: sha256(&bytes) };
+        let text = String::from_utf8(bytes).map_err(|error| cannot_read(&format!("it is not UTF-8: {error}")))?;
+        let curves = input_file::read(&text, &alone.description);
+        let curves = curves.map_err(|wrong| Refusal::new(&format!("{name}:{wrong}"), wrong.help.as_deref()))?;
+        Ok((curves, file))
+    }
+
+    fn tell(&self, outcome: &Outcome) -> Result<(), TraceError> {
+        if let Some(output) = &self.output {
+            let copied = std::fs::copy(outcome.folder.path().join(TRACE_CSV), output);
+            copied.map_err(TraceError::io("write", output))?;
+        }
+        let heading = heading_line(&outcome.heading(), &outcome.verdict);
+        report::result(&(heading + &next_lines(outcome.folder.path(), true)));
+        Ok(())
+    }
+}

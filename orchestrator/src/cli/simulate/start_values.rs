@@ -1,0 +1,57 @@
+//! Start values as users of other tools give them: a variable's name and a bare value in its own unit.
+
+use dsl::scenario::{Preset, Value};
+use fmi2::description::{Causality, Initial, Kind, ModelDescription, Variability, Variable};
+
+/// The preset that a setting such as `mass = 1.6` means; `None` leaves it to the language of scripts, which knows units
+/// of measure, groups and what is wrong with the rest.
+pub(super) fn bare(setting: &str, description: &ModelDescription) -> Option<Preset> {
+    let (name, value) = setting.split_once('=')?;
+    let index = description.variable(name.trim())?;
+    let variable = &description.variables[index];
+    let value = parsed(value.trim(), &variable.kind).filter(|_| may_be_set(variable))?;
+    Some(Preset { variable: index, value })
+}
+
+fn parsed(text: &str, kind: &Kind) -> Option<Value> {
+    match kind {
+        Kind::Real(_) => text.parse().ok().filter(|value: &f64| value.is_finite()).map(Value::Real),
+        Kind::Integer { .. } | Kind::Enumeration { .. } => text.parse().ok().map(Value::Integer),
+        Kind::Boolean { .. } => match text {
+            "true" | "1" => Some(Value::Boolean(true)),
+            "false" | "0" => Some(Value::Boolean(false)),
+            _ => None,
+        },
+        Kind::String { .. } => None,
+    }
+}
+
+/// Whether the standard lets the variable be set before initialization.
+fn may_be_set(variable: &Variable) -> bool {
+    let starts = matches!(variable.initial_or_default(), Some(Initial::Exact | Initial::Approx));
+    variable.variability != Variability::Constant && (variable.causality == Causality::Input || starts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::simulate::alone::tests::tank;
+
+    #[test]
+    fn a_bare_value_is_in_the_variables_own_unit() {
+        let description = tank();
+        let told = |setting| bare(setting, &description).map(|preset| preset.value);
+        assert_eq!(told("area = 2.5"), Some(Value::Real(2.5)));
+        assert_eq!(told("mode=2"), Some(Value::Integer(2)));
+        assert_eq!(told("open = 0"), Some(Value::Boolean(false)));
+    }
+
+    #[test]
+    fn everything_else_is_left_to_the_language() {
+        let description = tank();
+        for setting in ["area = 2.5 m^2", "aera = 2", "area", "level = 3", "label = \"x\"", "area = inf", "open = yes"]
+        {
+            assert_eq!(bare(setting, &description), None, "{setting}");
+        }
+    }
+}
