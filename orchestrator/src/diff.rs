@@ -93,7 +93,11 @@ impl Difference {
         if let Some(cell) = &self.first {
             let (a, b) = &cell.values;
             let apart = by_how_much(a, b);
-            let _ = writeln!(text, "first difference at {} s (row {}) in {}: {a} and {b}{apart}", cell.time, cell.row, cell.name);
+            let _ = writeln!(
+                text,
+                "first difference at {} s (row {}) in {}: {a} and {b}{apart}",
+                cell.time, cell.row, cell.name
+            );
         }
         for column in self.columns.iter().take(10) {
             let _ = writeln!(text, "  {}: {} rows, at most {} apart", column.name, column.rows, shown(column.largest));

@@ -62,7 +62,8 @@ pub fn draw(title: &str, table: &Table, notes: &[ColumnNote], selection: &Select
     if table.rows.is_empty() || table.names.len() < 2 {
         return Err(PlotError::Empty);
     }
-    let (paths, panels) = if selection.signals.is_empty() { trace.default_choice() } else { trace.chosen(&selection.signals)? };
+    let (paths, panels) =
+        if selection.signals.is_empty() { trace.default_choice() } else { trace.chosen(&selection.signals)? };
     let marks = selection.mark.as_deref().map(|name| trace.marks(name)).transpose()?.unwrap_or_default();
     let mut picture = Picture::default();
     let mut top = 8.0;
@@ -95,7 +96,8 @@ impl Trace<'_> {
 
     /// Columns that a name means: itself, or all below it as a group or array.
     fn members(&self, name: &str) -> Vec<&str> {
-        let below = |other: &str| other.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
+        let below =
+            |other: &str| other.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
         self.table.names.iter().map(String::as_str).filter(|other| below(other)).collect()
     }
 
@@ -141,14 +143,17 @@ impl Trace<'_> {
 
     /// All position groups; then the first groups of columns that are no positions, angles of attitude first.
     fn default_choice(&self) -> (Vec<Path>, Vec<Panel>) {
-        let groups = self.table.names.iter().filter_map(|name| name.strip_suffix(".x")).filter(|g| g.ends_with("position"));
+        let groups =
+            self.table.names.iter().filter_map(|name| name.strip_suffix(".x")).filter(|g| g.ends_with("position"));
         let mut paths: Vec<_> = groups.filter_map(|group| self.path(group)).collect();
         // What moves is shown before what it should do.
         paths.sort_by_key(|path| path.name.contains("setpoint"));
         let mut panels: Vec<Vec<&str>> = Vec::new();
         for name in self.table.names.iter().map(String::as_str).skip(1) {
-            let in_path = paths.iter().any(|path| name.strip_prefix(&path.name).is_some_and(|rest| rest.starts_with('.')));
-            let same = |group: &&mut Vec<&str>| group_of(group[0]) == group_of(name) && self.unit(group[0]) == self.unit(name);
+            let in_path =
+                paths.iter().any(|path| name.strip_prefix(&path.name).is_some_and(|rest| rest.starts_with('.')));
+            let same =
+                |group: &&mut Vec<&str>| group_of(group[0]) == group_of(name) && self.unit(group[0]) == self.unit(name);
             if in_path {
                 continue;
             }

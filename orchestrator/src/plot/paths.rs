@@ -39,7 +39,8 @@ const Z_ON_PAGE: f64 = -0.866;
 impl View {
     /// Fits all points into a box on the page.
     fn fit(paths: &[Path], left: f64, top: f64, width: f64, height: f64) -> Self {
-        let axis = |axis: usize| extent(paths.iter().flat_map(|path| path.points_m.iter().map(move |point| point[axis])));
+        let axis =
+            |axis: usize| extent(paths.iter().flat_map(|path| path.points_m.iter().map(move |point| point[axis])));
         let ends = [axis(0), axis(1), axis(2)];
         let (low_z, high_z) = (ends[2].0.min(0.0), ends[2].1);
         let across = (ends[0].1 - ends[0].0).max(ends[1].1 - ends[1].0);
@@ -73,7 +74,8 @@ impl View {
 pub(super) fn draw(picture: &mut Picture, paths: &[Path], marks: &[Mark], top: f64, width: f64) {
     let view = View::fit(paths, 70.0, top + 50.0, width - 140.0, HEIGHT - 110.0);
     floor(picture, &view);
-    let strokes: Vec<_> = CURVES.iter().cycle().take(paths.len()).enumerate().map(|(i, colour)| stroke(i, colour)).collect();
+    let strokes: Vec<_> =
+        CURVES.iter().cycle().take(paths.len()).enumerate().map(|(i, colour)| stroke(i, colour)).collect();
     for (path, stroke) in paths.iter().zip(&strokes).skip(1) {
         picture.curve(&thinned(&view, &path.points_m), *stroke);
     }

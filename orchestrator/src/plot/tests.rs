@@ -21,7 +21,8 @@ fn trace() -> (Table, Vec<ColumnNote>) {
         unit: unit.map(str::to_owned),
         kind: "Real".to_owned(),
     };
-    let row = |k: u32| (0..units.len()).map(move |i| if i == 4 { (k / 4).to_string() } else { (i as u32 * k).to_string() });
+    let row =
+        |k: u32| (0..units.len()).map(move |i| if i == 4 { (k / 4).to_string() } else { (i as u32 * k).to_string() });
     let rows = (0..10).map(|k| row(k).collect()).collect();
     let names = units.iter().map(|(name, _)| (*name).to_owned()).collect();
     (Table { names, rows, partial: false }, units.iter().map(note).collect())
