@@ -16,7 +16,6 @@
 
 pub mod frames;
 pub mod random;
-pub mod stepping;
 
 pub mod vehicle;
 

@@ -34,7 +34,7 @@ mod conservation_tests;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::{stepping, vehicle};
+use crate::vehicle;
 use dynamics::Plant;
 
 pub use ground_turbulence::GroundTurbulence;
@@ -86,21 +86,35 @@ impl State {
         }
     }
 
-    /// Moves on by `duration_s` with the inputs held, in equal inner steps of at most [`INNER_STEP_S`].
+    /// Moves on by `count` inner steps of `inner_s`, at most [`INNER_STEP_S`] each, with the inputs held.
     pub fn step(
+        &mut self,
+        parameters: &Parameters,
+        inputs: &Inputs,
+        count: u32,
+        inner_s: f64,
+        turbulence: &mut GroundTurbulence,
+    ) {
+        let plant = Plant::new(parameters);
+        for _ in 0..count {
+            *self = plant.runge_kutta_step(self, inputs, turbulence.trembling(parameters.ground_turbulence), inner_s);
+            contact::settle(&mut self.body, inner_s);
+            turbulence.advance(inner_s);
+        }
+    }
+
+    /// Moves on by a duration that is a multiple of [`INNER_STEP_S`].
+    #[cfg(test)]
+    pub(crate) fn fly(
         &mut self,
         parameters: &Parameters,
         inputs: &Inputs,
         duration_s: f64,
         turbulence: &mut GroundTurbulence,
     ) {
-        let plant = Plant::new(parameters);
-        let (count, inner_s) = stepping::inner_steps(duration_s, INNER_STEP_S);
-        for _ in 0..count {
-            *self = plant.runge_kutta_step(self, inputs, turbulence.trembling(parameters.ground_turbulence), inner_s);
-            contact::settle(&mut self.body, inner_s);
-            turbulence.advance(inner_s);
-        }
+        let count = (duration_s / INNER_STEP_S).round();
+        assert!((count * INNER_STEP_S - duration_s).abs() < 1e-9, "{duration_s} s");
+        self.step(parameters, inputs, count as u32, INNER_STEP_S, turbulence);
     }
 
     /// Returns the sum of the rotors' thrusts in N for this state and these inputs.

@@ -25,7 +25,7 @@ use core::f64::consts::TAU;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use crate::{random::Generator, stepping};
+use crate::random::Generator;
 
 const REFERENCE_HEIGHT_M: f64 = 6.096;
 const LEAST_PASSING_SPEED_M_S: f64 = 1.0;
@@ -101,7 +101,6 @@ impl Gust {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct State {
     turbulence: dryden::Turbulence,
-    samples_drawn: u64,
 }
 
 impl State {
@@ -109,18 +108,16 @@ impl State {
     #[must_use]
     pub fn start(parameters: &Parameters, inputs: &Inputs, seed: u64, stream: u64) -> Self {
         let scales = dryden::Scales::at(inputs.vehicle_position_m.z, parameters.turbulence_m_s);
-        Self { turbulence: dryden::Turbulence::start(&scales, Generator::new(seed, stream)), samples_drawn: 0 }
+        Self { turbulence: dryden::Turbulence::start(&scales, Generator::new(seed, stream)) }
     }
 
-    /// Draws the samples whose instants lie in the step that ends at `end_time_s`, counted from time 0.
-    pub fn step(&mut self, parameters: &Parameters, inputs: &Inputs, end_time_s: f64) {
+    /// Draws the next samples, as many as have their instants in a step; the last of them holds.
+    pub fn draw(&mut self, parameters: &Parameters, inputs: &Inputs, samples: u64) {
         let scales = dryden::Scales::at(inputs.vehicle_position_m.z, parameters.turbulence_m_s);
         let passing_m_s =
             (steady_world_m_s(parameters, inputs) - inputs.vehicle_velocity_m_s).norm().max(LEAST_PASSING_SPEED_M_S);
-        let due = stepping::samples_due(end_time_s, parameters.sample_time_s);
-        while self.samples_drawn < due {
+        for _ in 0..samples {
             self.turbulence.advance(&scales, passing_m_s * parameters.sample_time_s);
-            self.samples_drawn += 1;
         }
     }
 

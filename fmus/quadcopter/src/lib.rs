@@ -1,7 +1,7 @@
 //! Unit `quadcopter`: the ports of `models::quadcopter`.
 
 use fmu::{Context, Fault, FmiEnum, Fmu, Model, Outcome, Step, vehicle};
-use models::quadcopter::{GroundTurbulence, Inputs, Parameters, State};
+use models::quadcopter::{GroundTurbulence, INNER_STEP_S, Inputs, Parameters, State};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -247,7 +247,8 @@ impl Model for Quadcopter {
     fn step(&mut self, step: Step, _: &mut Context) -> Result<Outcome, Fault> {
         let parameters = self.parameters();
         let inputs = self.inputs();
-        self.plant.step(&parameters, &inputs, step.length_s(), &mut self.turbulence);
+        let parts = step.parts(INNER_STEP_S);
+        self.plant.step(&parameters, &inputs, parts.count, parts.length_s, &mut self.turbulence);
         self.show(&parameters);
         Ok(Outcome::Done)
     }

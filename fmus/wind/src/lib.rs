@@ -122,13 +122,15 @@ impl Model for Wind {
         let (seed, stream) = (self.seed.unsigned_abs().into(), self.stream.unsigned_abs().into());
         let (parameters, inputs) = (self.parameters(), self.inputs());
         self.air = State::start(&parameters, &inputs, seed, stream);
-        self.air.step(&parameters, &inputs, context.start_s());
+        let samples = context.samples(self.sample_time);
+        self.air.draw(&parameters, &inputs, samples.end.saturating_sub(1));
         self.show(context.start_s());
         Ok(())
     }
 
     fn step(&mut self, step: Step, _: &mut Context) -> Result<Outcome, Fault> {
-        self.air.step(&self.parameters(), &self.inputs(), step.end_s());
+        let samples = step.samples(self.sample_time);
+        self.air.draw(&self.parameters(), &self.inputs(), samples.end - samples.start);
         self.show(step.end_s());
         Ok(Outcome::Done)
     }

@@ -27,7 +27,7 @@ fn a_hover_holds_its_place_in_8_m_s_of_wind() {
             wind_world_m_s: Vector3::new(8.0, 0.0, 0.0),
             effectiveness: [1.0; 4],
         };
-        state.step(&plant, &inputs, SAMPLE_TIME_S, &mut GroundTurbulence::new(1, 4));
+        state.fly(&plant, &inputs, SAMPLE_TIME_S, &mut GroundTurbulence::new(1, 4));
         let error_m = state.body.position_m - start_m;
         horizontal_m = horizontal_m.max(error_m.xy().norm());
         vertical_m = vertical_m.max(error_m.z.abs());
@@ -67,8 +67,8 @@ fn fly_a_to_h(mean_m_s: f64, turbulence_m_s: f64) -> (f64, f64, quadcopter::Stat
             wind_world_m_s: field.velocity_world_m_s(&air, &wind_inputs, &[], time_s),
             effectiveness: [1.0; 4],
         };
-        field.step(&air, &wind_inputs, time_s + SAMPLE_TIME_S);
-        state.step(&plant, &inputs, SAMPLE_TIME_S, &mut trembling);
+        field.draw(&air, &wind_inputs, u64::from(n % 2 == 1));
+        state.fly(&plant, &inputs, SAMPLE_TIME_S, &mut trembling);
         let goal_m = flight.reference(time_s + SAMPLE_TIME_S).setpoint.position_m;
         largest_m = largest_m.max((state.body.position_m - goal_m).norm());
         largest_tilt_deg = largest_tilt_deg.max(libm::acos((state.body.attitude * Vector3::z()).z).to_degrees());

@@ -28,7 +28,7 @@ fn roll_step_deg(rotor_model: RotorModel, k: f64, formula_set: FormulaSet, sampl
         let desired = [10.0_f64.to_radians(), 0.0, 0.0];
         let moments = attitude::moments_n_m(&parameters, &gains, angles, desired, state.body.rate_body_rad_s);
         let command = mixer::rotor_speeds_rad_s(&parameters, weight_n, moments);
-        state.step(&plant, &calm(command), SAMPLE_TIME_S, &mut GroundTurbulence::new(1, 4));
+        state.fly(&plant, &calm(command), SAMPLE_TIME_S, &mut GroundTurbulence::new(1, 4));
         trace.push(state.roll_pitch_yaw_rad()[0].to_degrees());
     }
     trace
@@ -93,7 +93,7 @@ fn fly(parameters: &Parameters, gains: &Gains, goal_m: Vector3<f64>, samples: us
     let mut trace = Vec::new();
     for _ in 0..samples {
         let command = controller.sample(parameters, gains, &state.body, &setpoint, SAMPLE_TIME_S);
-        state.step(&plant, &calm(command.rotor_speed_rad_s), SAMPLE_TIME_S, &mut GroundTurbulence::new(1, 4));
+        state.fly(&plant, &calm(command.rotor_speed_rad_s), SAMPLE_TIME_S, &mut GroundTurbulence::new(1, 4));
         trace.push(state.body.position_m - START_M);
     }
     trace

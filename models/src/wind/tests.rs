@@ -36,7 +36,7 @@ fn turbulence_turns_with_the_mean_wind() {
     let deviation = |mean: [f64; 3]| {
         let inputs = inputs(mean, 20.0);
         let mut state = State::start(&parameters, &inputs, 1, 0);
-        state.step(&parameters, &inputs, 0.5);
+        state.draw(&parameters, &inputs, 50);
         state.velocity_world_m_s(&parameters, &inputs, &[], 0.5) - inputs.mean_world_m_s
     };
     let (east, north, calm) = (deviation([6.0, 0.0, 0.0]), deviation([0.0, 6.0, 0.0]), deviation([0.0; 3]));
@@ -45,19 +45,15 @@ fn turbulence_turns_with_the_mean_wind() {
 }
 
 #[test]
-fn a_sample_holds_until_the_next_instant_however_long_the_steps_are() {
+fn samples_drawn_at_once_are_samples_drawn_one_by_one() {
     let (parameters, inputs) = (turbulent(), inputs([6.0, 0.0, 0.0], 20.0));
-    let fly = |steps: u32, step_s: f64| {
+    let after = |draws: &[u64]| {
         let mut state = State::start(&parameters, &inputs, 1, 0);
-        for n in 1..=steps {
-            state.step(&parameters, &inputs, f64::from(n) * step_s);
-        }
+        draws.iter().for_each(|&samples| state.draw(&parameters, &inputs, samples));
         state
     };
-    assert_eq!(fly(1, 0.3), fly(60, 0.005));
-    assert_eq!(fly(1, 0.3), fly(30, 0.01));
-    assert_eq!(fly(1, 0.305), fly(1, 0.3));
-    assert_ne!(fly(1, 0.31), fly(1, 0.3));
+    assert_eq!(after(&[3]), after(&[1, 0, 1, 1]));
+    assert_ne!(after(&[3]), after(&[4]));
 }
 
 #[test]
@@ -66,7 +62,7 @@ fn the_field_passes_a_hovering_vehicle_with_the_wind_and_at_least_at_1_m_s() {
     let after = |mean: [f64; 3], velocity: [f64; 3]| {
         let inputs = Inputs { vehicle_velocity_m_s: Vector3::from(velocity), ..inputs(mean, 20.0) };
         let mut state = State::start(&parameters, &inputs, 1, 0);
-        state.step(&parameters, &inputs, 0.1);
+        state.draw(&parameters, &inputs, 10);
         state
     };
     assert_eq!(after([0.0; 3], [0.0; 3]), after([1.0, 0.0, 0.0], [0.0; 3]));
@@ -96,9 +92,9 @@ fn gusts_add_up() {
 fn a_saved_wind_continues_bit_for_bit() {
     let (parameters, inputs) = (turbulent(), inputs([6.0, 1.0, 0.0], 20.0));
     let mut state = State::start(&parameters, &inputs, 1, 0);
-    state.step(&parameters, &inputs, 0.07);
+    state.draw(&parameters, &inputs, 7);
     let mut restored: State = serde_json::from_str(&serde_json::to_string(&state).unwrap()).unwrap();
-    state.step(&parameters, &inputs, 0.5);
-    restored.step(&parameters, &inputs, 0.5);
+    state.draw(&parameters, &inputs, 43);
+    restored.draw(&parameters, &inputs, 43);
     assert_eq!(restored, state);
 }
