@@ -8,25 +8,9 @@ pub fn nearest<'n>(written: &str, candidates: impl IntoIterator<Item = &'n str>)
     (nearest.0 <= (length / 3).max(1)).then_some(nearest.1)
 }
 
-/// Insertions, deletions, replacements and exchanges of neighbours, each one edit; a change of case alone is half of one
-/// and so never counts.
+/// Insertions, deletions, replacements and exchanges of neighbours, each one edit; a change of case is none.
 fn distance(left: &str, right: &str) -> usize {
-    let letters = |text: &str| text.chars().map(|letter| letter.to_ascii_lowercase()).collect::<Vec<_>>();
-    let (left, right) = (letters(left), letters(right));
-    let mut rows = vec![(0..=right.len()).collect::<Vec<_>>()];
-    for i in 1..=left.len() {
-        let mut row = vec![i];
-        for j in 1..=right.len() {
-            let replaced = rows[i - 1][j - 1] + usize::from(left[i - 1] != right[j - 1]);
-            let mut best = replaced.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && left[i - 1] == right[j - 2] && left[i - 2] == right[j - 1] {
-                best = best.min(rows[i - 2][j - 2] + 1);
-            }
-            row.push(best);
-        }
-        rows.push(row);
-    }
-    rows[left.len()][right.len()]
+    strsim::osa_distance(&left.to_ascii_lowercase(), &right.to_ascii_lowercase())
 }
 
 /// `a`, `a and b`, `a, b and c`, each in back quotes.

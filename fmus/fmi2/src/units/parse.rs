@@ -190,7 +190,7 @@ fn nearest(word: &str) -> Option<String> {
             .flat_map(move |unit| prefixes().map(move |p| format!("{p}{}", unit.symbol)))
     };
     let by_case = || symbols().map(|unit| unit.symbol.to_owned()).chain(prefixed()).find(|s| s.to_lowercase() == lower);
-    let near_name = |name: &str| name.starts_with(&lower) || edit_distance(&lower, name) <= 1 + word.len() / 5;
+    let near_name = |name: &str| name.starts_with(&lower) || strsim::levenshtein(&lower, name) <= 1 + word.len() / 5;
     let by_name = || symbols().find(|unit| lower.len() >= 3 && near_name(unit.name)).map(|unit| unit.symbol.to_owned());
     let by_split = || {
         // A single letter in front of a unit is rather a prefix, one that this unit does not take or in other capitals.
@@ -202,24 +202,8 @@ fn nearest(word: &str) -> Option<String> {
         products.last().map(|(left, right)| format!("{left}*{right}"))
     };
     let by_letter = || {
-        let near = |unit: &&Symbol| word.len() >= 2 && edit_distance(word, unit.symbol) == 1;
+        let near = |unit: &&Symbol| word.len() >= 2 && strsim::levenshtein(word, unit.symbol) == 1;
         symbols().find(near).map(|unit| unit.symbol.to_owned())
     };
     by_split().or_else(by_case).or_else(by_name).or_else(by_letter)
-}
-
-/// How many letters must be added, dropped or changed to turn one word into the other.
-fn edit_distance(from: &str, to: &str) -> usize {
-    let to: Vec<char> = to.chars().collect();
-    let mut row: Vec<usize> = (0..=to.len()).collect();
-    for (i, letter) in from.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &other) in to.iter().enumerate() {
-            let cost = diagonal + usize::from(letter != other);
-            diagonal = row[j + 1];
-            row[j + 1] = cost.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[to.len()]
 }
