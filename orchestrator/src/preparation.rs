@@ -101,7 +101,7 @@ fn unit_of(units: &[PlannedUnit], name: &str) -> usize {
     }
 }
 
-/// Where the results of a script or unit go unless the user says so: `runs/` and its name without its ending.
+/// Where the results of a script go unless the user says so: `runs/` and its name without its ending.
 #[must_use]
 pub fn default_folder(script: &Path) -> PathBuf {
     Path::new("runs").join(script.file_stem().unwrap_or(script.as_os_str()))

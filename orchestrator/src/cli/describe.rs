@@ -67,7 +67,11 @@ impl Describe {
                 Origin::Archive(path) => path.clone(),
                 Origin::Crate(unit) => unit.folder.clone(),
             };
-            let origin = origin.strip_prefix(&current).unwrap_or(&origin).display().to_string();
+            let origin = match origin.strip_prefix(&current) {
+                Ok(inside) if inside.as_os_str().is_empty() => ".".to_owned(),
+                Ok(inside) => inside.display().to_string(),
+                Err(_) => origin.display().to_string(),
+            };
             let _ = writeln!(text, "{:<24}{origin:<28}{}", entry.name, words.unwrap_or_default());
         }
         if text.is_empty() {

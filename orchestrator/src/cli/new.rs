@@ -35,8 +35,10 @@ impl New {
         match unit.write() {
             Ok(()) => {
                 let name = &unit.name;
+                let (unit, script) = (format!("{name}/src/lib.rs"), format!("{name}/{name}.scn"));
+                let width = unit.len().max(script.len());
                 report::result(&format!(
-                    "{name}/src/lib.rs    the unit\n{name}/{name}.scn    a script that runs it\n\n\
+                    "{unit:<width$}  the unit, with a test\n{script:<width$}  a script that runs it\n\n\
                      cd {name}\ncargo test\nlockstep run {name}.scn\nlockstep pack .\n"
                 ));
                 0

@@ -7,7 +7,7 @@ mod start_values;
 
 use super::exit_code;
 use crate::execution::{Manner, Outcome};
-use crate::preparation::{self, Preparation, Refusal, Wanted, default_folder};
+use crate::preparation::{self, Preparation, Refusal, Wanted};
 use crate::report;
 use crate::report::console::Style;
 use crate::report::table::{heading_line, next_lines};
@@ -40,7 +40,7 @@ pub struct Simulate {
     /// Reals are interpolated, everything else is held; so are the ends
     #[arg(long, value_name = "FILE.csv")]
     input: Option<PathBuf>,
-    /// Where the results go; a folder of an earlier run is replaced [default: runs/UNIT]
+    /// Where the results go; a folder of an earlier run is replaced [default: runs/UNIT-alone]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Copies the recorded rows to this file too
@@ -77,7 +77,9 @@ impl Simulate {
         };
         let experiment = experiment::Experiment::new(self.stop, self.step, &alone.description);
         let script = alone.script(&experiment, &self.set, curves, &catalogue);
-        let out = self.out.clone().unwrap_or_else(|| default_folder(Path::new(&self.unit)));
+        // Not the folder of a script of the same name.
+        let folder = || Path::new("runs").join(format!("{}-alone", alone.name()));
+        let out = self.out.clone().unwrap_or_else(folder);
         preparation::prepare(script, Wanted { out, fail_fast: false, record: true, files })
     }
 

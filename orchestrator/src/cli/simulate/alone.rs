@@ -111,7 +111,7 @@ impl Alone {
     }
 
     /// What messages call the unit.
-    fn name(&self) -> String {
+    pub fn name(&self) -> String {
         let stem = Path::new(&self.unit).file_stem().map(|stem| stem.to_string_lossy().into_owned());
         stem.unwrap_or_else(|| self.unit.clone())
     }
