@@ -75,6 +75,10 @@ impl Simulate {
             }
             None => (Vec::new(), Vec::new()),
         };
+        let start_s = experiment::start_s(&alone.description);
+        if start_s != 0.0 {
+            report::status(&format!("warning: the unit's DefaultExperiment begins at {start_s} s, this run at 0 s"));
+        }
         let experiment = experiment::Experiment::new(self.stop, self.step, &alone.description);
         let script = alone.script(&experiment, &self.set, curves, &catalogue);
         // Not the folder of a script of the same name.

@@ -13,9 +13,14 @@ impl Experiment {
     /// What the user says, then what the unit says, then one second in steps of about a thousandth.
     pub fn new(stop_s: Option<f64>, step_s: Option<f64>, description: &ModelDescription) -> Self {
         let DefaultExperiment { stop_time, step_size, .. } = description.default_experiment.unwrap_or_default();
-        let stop_s = stop_s.or(stop_time).unwrap_or(1.0);
+        let stop_s = stop_s.or(stop_time.map(|stop_s| stop_s - start_s(description))).unwrap_or(1.0);
         Self { stop_s, step_s: step_s.or(step_size).unwrap_or_else(|| about_a_thousandth(stop_s)) }
     }
+}
+
+/// When the unit would begin by itself; here every run begins at zero.
+pub(super) fn start_s(description: &ModelDescription) -> f64 {
+    description.default_experiment.and_then(|experiment| experiment.start_time).unwrap_or(0.0)
 }
 
 /// A power of ten, so that it divides what people write.
@@ -73,5 +78,7 @@ mod tests {
         description.default_experiment = Some(own);
         assert_eq!(Experiment::new(None, None, &description), Experiment { stop_s: 5.0, step_s: 0.02 });
         assert_eq!(Experiment::new(Some(1.0), Some(0.1), &description), Experiment { stop_s: 1.0, step_s: 0.1 });
+        description.default_experiment = Some(DefaultExperiment { start_time: Some(2.0), ..own });
+        assert_eq!(Experiment::new(None, None, &description).stop_s, 3.0);
     }
 }
