@@ -1,0 +1,161 @@
+//! A run that goes on: what it has left so far, signals for it and for its stepping process, and how it ends.
+
+use crate::program::{Said, command};
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// How long anything that is waited for may take on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(30);
+const LOOK_AGAIN: Duration = Duration::from_millis(5);
+
+/// Waits for something.
+///
+/// # Panics
+/// If it does not come.
+pub fn until(what: &str, mut condition: impl FnMut() -> bool) {
+    let began = Instant::now();
+    while !condition() {
+        assert!(began.elapsed() < PATIENCE, "{what}: not within {PATIENCE:?}");
+        sleep(LOOK_AGAIN);
+    }
+}
+
+/// A `lockstep` that was started, with a folder for temporary files of its own; killed when dropped.
+#[derive(Debug)]
+pub struct Flight {
+    process: Child,
+    /// Where its standard output and error go, and its temporary files.
+    home: TempDir,
+}
+
+#[allow(clippy::unwrap_used, reason = "a test that cannot look after its run has failed")]
+impl Flight {
+    /// Starts `lockstep` in a folder.
+    ///
+    /// # Panics
+    /// If it cannot be started.
+    #[must_use]
+    pub fn start(folder: &Path, arguments: &[&str]) -> Self {
+        Self::of(command(folder, arguments))
+    }
+
+    /// Starts a command that ends in being `lockstep`.
+    ///
+    /// # Panics
+    /// If it cannot be started.
+    #[must_use]
+    pub fn of(mut command: Command) -> Self {
+        let home = tempfile::tempdir().unwrap();
+        let temporary = home.path().join("tmp");
+        fs::create_dir(&temporary).unwrap();
+        let [out, err] = ["out", "err"].map(|name| File::create(home.path().join(name)).unwrap());
+        let process = command.env("TMPDIR", temporary).stdout(out).stderr(err).spawn().unwrap();
+        Self { process, home }
+    }
+
+    /// The number of its process.
+    #[must_use]
+    pub fn id(&self) -> u32 {
+        self.process.id()
+    }
+
+    /// The number of its stepping process, once there is one.
+    ///
+    /// # Panics
+    /// If there is none for long.
+    #[must_use]
+    pub fn stepping_process(&self) -> u32 {
+        let mut found = None;
+        until("a stepping process", || {
+            found = processes().into_iter().find(|process| process.parent == self.id()).map(|process| process.id);
+            found.is_some()
+        });
+        found.unwrap()
+    }
+
+    /// What it said on standard error so far.
+    ///
+    /// # Panics
+    /// If that cannot be read.
+    #[must_use]
+    pub fn said(&self) -> String {
+        String::from_utf8_lossy(&fs::read(self.home.path().join("err")).unwrap()).into_owned()
+    }
+
+    /// The temporary folders of runs that are there.
+    ///
+    /// # Panics
+    /// If the folder of temporary files cannot be read.
+    #[must_use]
+    pub fn temporary_folders(&self) -> Vec<PathBuf> {
+        fs::read_dir(self.home.path().join("tmp")).unwrap().map(|entry| entry.unwrap().path()).collect()
+    }
+
+    /// Whether it is over.
+    ///
+    /// # Panics
+    /// If the system does not tell.
+    pub fn is_over(&mut self) -> bool {
+        self.status().is_some()
+    }
+
+    /// Waits for its end and tells how it ended.
+    ///
+    /// # Panics
+    /// If it does not end.
+    pub fn end(&mut self) -> Said {
+        until("the end of the run", || self.is_over());
+        let out = String::from_utf8_lossy(&fs::read(self.home.path().join("out")).unwrap()).into_owned();
+        Said { code: self.status().unwrap().code(), out, err: self.said() }
+    }
+
+    fn status(&mut self) -> Option<ExitStatus> {
+        self.process.try_wait().unwrap()
+    }
+}
+
+impl Drop for Flight {
+    fn drop(&mut self) {
+        // It may be over already.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+/// Sends a signal, named as `kill` names it, to a process.
+///
+/// # Panics
+/// If there is no such process.
+pub fn signal(name: &str, process: u32) {
+    let sent = Command::new("sh").args(["-c", &format!("kill -s {name} {process}")]).status();
+    assert!(sent.is_ok_and(|status| status.success()), "SIG{name} reaches process {process}");
+}
+
+/// Whether a process runs or could; one that is dead and not yet buried does not.
+#[must_use]
+pub fn is_alive(process: u32) -> bool {
+    processes().into_iter().any(|other| other.id == process)
+}
+
+/// A living process.
+struct Living {
+    id: u32,
+    parent: u32,
+}
+
+/// All of them, as `/proc/*/stat` tells: number, name in brackets, state, number of the parent.
+fn processes() -> Vec<Living> {
+    let living = |path: PathBuf| {
+        let id = path.file_name()?.to_str()?.parse().ok()?;
+        let text = fs::read_to_string(path.join("stat")).ok()?;
+        let mut words = text.rsplit_once(") ")?.1.split(' ');
+        let is_dead = ["Z", "X"].contains(&words.next()?);
+        let parent = words.next()?.parse().ok()?;
+        (!is_dead).then_some(Living { id, parent })
+    };
+    fs::read_dir("/proc").into_iter().flatten().flatten().filter_map(|entry| living(entry.path())).collect()
+}

@@ -1,0 +1,196 @@
+//! Runs that somebody interrupts, suspends or kills, or that find their folder taken or full, end as they should.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::Duration;
+use tempfile::TempDir;
+use tests::flight::{Flight, is_alive, signal, until};
+use tests::foreign::Foreign;
+use tests::program::{Said, lockstep, run};
+
+/// A run that nobody waits for to end.
+const LONG: &str = "scenario \"A unit flies for days\"\nstep 1 ms\nstop 100000 s\nfmu probe = \"foreign.fmu\"\n\
+                    time / 1 s -> probe.u\nassert early: eventually probe.count > 10\n\
+                    assert late: eventually probe.y < -1\nrecord probe.y, probe.count\n";
+/// From the fifth step on the unit does not come back.
+const HANGING: [&str; 3] = ["MISBEHAVE_CALL=STEP", "MISBEHAVE_HOW=HANG", "MISBEHAVE_FROM_S=0.0045"];
+
+/// A folder with the unit and `long.scn`.
+fn hangar(defines: &[&str]) -> TempDir {
+    let (folder, _) = Foreign { defines, ..Foreign::default() }.build();
+    fs::write(folder.path().join("long.scn"), LONG).unwrap();
+    folder
+}
+
+/// The trace of a run, whole or not.
+fn trace(out: &Path) -> PathBuf {
+    let whole = out.join("trace.csv");
+    if whole.is_file() { whole } else { out.join("trace.csv.partial") }
+}
+
+fn await_rows(out: &Path) {
+    until("recorded rows", || fs::metadata(trace(out)).is_ok_and(|file| file.len() > 1000));
+}
+
+/// The rows of a trace in which nothing is cut.
+fn whole_rows(out: &Path) -> usize {
+    let text = fs::read_to_string(trace(out)).unwrap();
+    assert!(text.ends_with('\n'), "the last line is whole");
+    assert!(text.lines().all(|line| line.split(',').count() == 3), "each line has a cell for each column");
+    text.lines().count() - 1
+}
+
+fn state(out: &Path) -> String {
+    let record: serde_json::Value = serde_json::from_slice(&fs::read(out.join("run.json")).unwrap()).unwrap();
+    record["state"].as_str().unwrap().to_owned()
+}
+
+/// How a run ended that had the time to clean up.
+fn ended(flight: &mut Flight) -> Said {
+    let said = flight.end();
+    assert_eq!(flight.temporary_folders(), Vec::<PathBuf>::new(), "temporary folders are gone");
+    said
+}
+
+#[test]
+fn ctrl_c_and_the_wish_to_terminate_end_a_run_cleanly_and_keep_whole_rows() {
+    let folder = hangar(&[]);
+    for name in ["INT", "TERM"] {
+        let out = folder.path().join(name);
+        let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--out", name]);
+        await_rows(&out);
+        assert_eq!(flight.temporary_folders().len(), 1);
+        signal(name, flight.id());
+        let said = ended(&mut flight);
+        assert_eq!(said.code, Some(130), "{name}: {}", said.err);
+        assert!(whole_rows(&out) > 10 && out.join("trace.csv").is_file(), "{name}");
+        assert_eq!(state(&out), "interrupted", "{name}");
+        let verdict: serde_json::Value = serde_json::from_slice(&fs::read(out.join("verdict.json")).unwrap()).unwrap();
+        assert_eq!(verdict["end"], "interrupted", "{name}");
+        let verdicts = [0, 1].map(|claim| verdict["claims"][claim]["verdict"].as_str());
+        assert_eq!(verdicts, [Some("ok"), Some("unjudged")], "{name}: only what nothing can change any more is judged");
+        assert!(said.out.contains("long.scn  interrupted at ") && said.out.contains("unjudged  late"), "{}", said.out);
+    }
+}
+
+#[test]
+fn a_second_ctrl_c_ends_a_unit_that_does_not_come_back() {
+    let folder = hangar(&HANGING);
+    let out = folder.path().join("runs/long");
+    let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--step-timeout", "0"]);
+    until("the rows before the unit hangs", || fs::read_to_string(trace(&out)).is_ok_and(|t| t.lines().count() > 5));
+    let stepping = flight.stepping_process();
+    signal("INT", flight.id());
+    until("a word about the first Ctrl-C", || flight.said().contains("once more ends at once"));
+    assert!(!flight.is_over(), "the first Ctrl-C waits for the step");
+    signal("INT", flight.id());
+    let said = ended(&mut flight);
+    assert_eq!(said.code, Some(130), "{}", said.err);
+    assert_eq!((whole_rows(&out), state(&out).as_str()), (5, "interrupted"));
+    assert!(!is_alive(stepping));
+}
+
+#[test]
+fn a_run_that_was_suspended_for_longer_than_a_step_may_take_goes_on() {
+    let folder = hangar(&[]);
+    fs::write(folder.path().join("long.scn"), LONG.replace("100000 s", "2000 s")).unwrap();
+    let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--step-timeout", "600ms"]);
+    await_rows(&folder.path().join("runs/long"));
+    let both = [flight.id(), flight.stepping_process()];
+    both.iter().for_each(|&process| signal("STOP", process));
+    sleep(Duration::from_millis(900));
+    assert!(!flight.is_over(), "it is suspended in mid-run");
+    both.iter().for_each(|&process| signal("CONT", process));
+    let said = ended(&mut flight);
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    assert!(said.out.contains("FAILED  late ") && said.out.contains("ok      early "), "{}", said.out);
+    assert_eq!(whole_rows(&folder.path().join("runs/long")), 2_000_001);
+}
+
+#[test]
+fn a_stepping_process_does_not_outlive_a_killed_parent_and_the_rows_stay_readable() {
+    for defines in [&[][..], &HANGING[..]] {
+        let folder = hangar(defines);
+        let out = folder.path().join("runs/long");
+        let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--step-timeout", "0"]);
+        let stepping = flight.stepping_process();
+        until("recorded rows", || fs::read_to_string(trace(&out)).is_ok_and(|text| text.lines().count() > 5));
+        signal("KILL", flight.id());
+        assert_eq!(flight.end().code, None);
+        until("the end of the stepping process", || !is_alive(stepping));
+        assert_eq!(state(&out), "running");
+        let plot = run(folder.path(), &["plot", "runs/long"]);
+        assert_eq!((plot.code, plot.out.as_str()), (Some(0), "runs/long/plot.svg\n"), "{}", plot.err);
+        assert!(plot.err.starts_with("note: this run did not come to its end"), "{}", plot.err);
+        assert_eq!(run(folder.path(), &["diff", "runs/long", "runs/long"]).code, Some(0));
+        fs::write(folder.path().join("short.scn"), LONG.replace("100000 s", "3 ms")).unwrap();
+        let again = run(folder.path(), &["run", "short.scn", "--out", "runs/long"]);
+        assert_eq!((again.code, whole_rows(&out)), (Some(1), 4), "the folder is free again: {}", again.err);
+    }
+}
+
+#[test]
+fn a_killed_stepping_process_breaks_the_run_and_the_signal_is_named() {
+    let folder = hangar(&[]);
+    let out = folder.path().join("runs/long");
+    let mut flight = Flight::start(folder.path(), &["run", "long.scn"]);
+    await_rows(&out);
+    signal("KILL", flight.stepping_process());
+    let said = ended(&mut flight);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    assert!(said.err.contains(" died of signal 9 (SIGKILL) "), "{}", said.err);
+    assert!(whole_rows(&out) > 10);
+    assert_eq!(state(&out), "broken");
+}
+
+#[test]
+fn a_run_into_the_folder_of_one_that_goes_on_is_refused() {
+    let folder = hangar(&[]);
+    let out = folder.path().join("runs/long");
+    let mut first = Flight::start(folder.path(), &["run", "long.scn"]);
+    await_rows(&out);
+    let mut second = Flight::start(folder.path(), &["run", "long.scn"]);
+    let refused = ended(&mut second);
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    assert_eq!(
+        refused.err,
+        "error: another run is writing into runs/long\n\
+         help: wait for it, or give this run a folder of its own with --out DIR\n"
+    );
+    signal("INT", first.id());
+    assert_eq!(ended(&mut first).code, Some(130));
+    assert!(whole_rows(&out) > 10, "the first run did not notice");
+}
+
+#[test]
+fn a_folder_with_other_files_is_refused_and_left_alone() {
+    let folder = hangar(&[]);
+    fs::create_dir(folder.path().join("thesis")).unwrap();
+    fs::write(folder.path().join("thesis/chapter.tex"), "words").unwrap();
+    let said = run(folder.path(), &["run", "long.scn", "--out", "thesis"]);
+    assert_eq!(said.code, Some(2));
+    assert_eq!(
+        said.err,
+        "error: thesis is not empty and holds no run.json of ours\n\
+         help: only a folder of an earlier run is replaced; choose another with --out DIR\n"
+    );
+    assert_eq!(fs::read_dir(folder.path().join("thesis")).unwrap().count(), 1);
+}
+
+/// The system refuses to let any file grow beyond some 8 to 16 MB, as a full disk refuses.
+#[test]
+fn a_trace_that_cannot_grow_breaks_the_run_and_what_was_written_stays_readable() {
+    let folder = hangar(&[]);
+    let out = folder.path().join("runs/long");
+    let mut shell = std::process::Command::new("sh");
+    shell.args(["-c", "trap '' XFSZ; ulimit -f 16384; exec \"$0\" run long.scn"]).arg(lockstep());
+    shell.current_dir(folder.path());
+    let said = ended(&mut Flight::of(shell));
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    assert!(said.err.contains("error: cannot write runs/long/trace.csv.partial: File too large"), "{}", said.err);
+    assert_eq!(state(&out), "broken");
+    let kept = run(folder.path(), &["diff", "runs/long", "runs/long"]);
+    let rows = kept.out.strip_prefix("identical: ").and_then(|rest| rest.split(' ').next()?.parse::<usize>().ok());
+    assert!(kept.code == Some(0) && rows.is_some_and(|rows| rows > 100_000), "{}{}", kept.out, kept.err);
+}
