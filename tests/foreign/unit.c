@@ -10,6 +10,7 @@
  *         NOT_A_NUMBER                                                y is NaN from then on
  *         NO_INSTANCE                                                 NULL, in INSTANTIATE
  * -DMISBEHAVE_FROM_S=<seconds> says from which time on in GET, SET and STEP; 0 unless given.
+ * -DSTEP_TAKES_US=<microseconds> makes each step slow.
  * -DVERSION, -DTYPES_PLATFORM change what the unit says of itself, -DWITHOUT_SET_STRING and -DWITHOUT_STATUS leave
  * functions out, -DNEEDS_SYMBOL refers to a function that nobody has, -DDISTURB changes rounding mode and working
  * directory while it is instantiated.
@@ -33,6 +34,9 @@
 #ifndef MISBEHAVE_CALL
 #define MISBEHAVE_CALL NEVER
 #define MISBEHAVE_HOW CRASH
+#endif
+#ifndef STEP_TAKES_US
+#define STEP_TAKES_US 0
 #endif
 #ifndef MISBEHAVE_FROM_S
 #define MISBEHAVE_FROM_S 0.0
@@ -239,6 +243,7 @@ EXPORT int fmi2DoStep(struct unit *unit, double time, double step, int no_return
     unit->terminated = TERMINATED == MISBEHAVE_HOW;
     TRY(unit, STEP);
     if (STEP == MISBEHAVE_CALL && NOT_A_NUMBER == MISBEHAVE_HOW && time >= MISBEHAVE_FROM_S) unit->broken = 1;
+    if (STEP_TAKES_US) usleep(STEP_TAKES_US);
     unit->y += step * (unit->gain * unit->u - unit->y);
     unit->count++;
     unit->time = unit->reached = time + step;
