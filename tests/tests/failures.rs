@@ -1,4 +1,5 @@
 //! Units that crash, hang, exit or lie end a run with exit code 3, are named with call and time, and cost no row.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::path::Path;
 use tests::foreign::Foreign;
