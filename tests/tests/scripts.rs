@@ -1,0 +1,165 @@
+//! What a user reads when a script, a unit's file or the command line is wrong, word for word.
+
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::Write as _;
+use std::path::Path;
+use tempfile::TempDir;
+use tests::foreign::Foreign;
+use tests::program::{Said, repository, run};
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+const HEAD: &str = "scenario \"A script\"\nstep 100 ms\nstop 1 s\n";
+
+const FIVE_MISTAKES: &str = "scenario \"Five mistakes of meaning\"
+step 5 ms
+stop 10 s
+
+fmu air  = \"wind\"
+fmu path = \"trajectory\"
+fmu quad = \"quadcopter\" { mas = 1 kg }
+
+path.setpoint.position -> air.mean
+air.velocty            -> quad.wind
+
+at 5.0123 s { set air.turbulence = 2 m/s }
+
+assert calm: always air.speed < 3 m
+";
+
+const LATER: &str = "scenario \"What a later version brings\"
+step 100 ms
+stop when probe.y > 3
+let slope = curve(\"slope.csv\")
+fmu probe = \"foreign.fmu\"
+use wing = \"wing.scn\"
+for i in 1..3 { time / 1 s -> probe.u }
+when probe.y > 1 { set probe.u = 1 }
+while probe.y > 1 { set probe.u = 1 }
+at 0.5 s { fault probe.y: freeze }
+assert a: probe.y > 1 implies probe.y > 2
+assert b: probe.y > 1 until probe.y > 2
+sweep { seed in 1..25 }
+record probe.y every 200 ms
+record probe.*
+";
+
+/// A folder with `foreign.fmu` and a script.
+fn with_script(text: &str) -> TempDir {
+    let (folder, _) = Foreign::default().build();
+    fs::write(folder.path().join("a.scn"), text).unwrap();
+    folder
+}
+
+/// What a refused command said, which ran nothing and left nothing.
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let Said { code, out, err } = run(folder, arguments);
+    assert_eq!((code, out.as_str()), (Some(2), ""), "{arguments:?}: {err}");
+    assert!(!folder.join("runs").exists(), "{arguments:?}");
+    err
+}
+
+/// Several refusals under what led to them.
+fn all_refused<'a>(folder: &Path, commands: impl IntoIterator<Item = &'a [&'a str]>) -> String {
+    let mut told = String::new();
+    for arguments in commands {
+        write!(told, "$ lockstep {}\n{}\n", arguments.join(" "), refused(folder, arguments)).unwrap();
+    }
+    told
+}
+
+#[test]
+fn five_mistakes_of_meaning_are_told_at_once_by_check_and_by_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("five.scn");
+    fs::write(&script, FIVE_MISTAKES).unwrap();
+    let script = script.to_str().unwrap();
+    let checked = run(&repository(), &["check", script]);
+    assert_eq!(checked.code, Some(2), "{}", checked.err);
+    insta::assert_snapshot!(checked.out.replace(script, "five.scn"));
+    let ran = run(&repository(), &["run", script]);
+    let findings = checked.out.trim_end().rsplit_once("\n\n").map(|(findings, _)| findings);
+    assert!(ran.code == Some(2) && ran.out.is_empty());
+    assert!(findings.is_some_and(|findings| ran.err.contains(findings)), "{}", ran.err);
+}
+
+#[test]
+fn what_a_later_version_brings_is_refused_by_name() {
+    let folder = with_script(LATER);
+    let told = refused(folder.path(), &["run", "a.scn"]);
+    assert_eq!(told.matches("is not known to this version of lockstep yet").count(), 12);
+    insta::assert_snapshot!(told);
+}
+
+#[test]
+fn a_script_without_anything_in_it_is_told_what_it_needs() {
+    let folder = with_script("");
+    insta::assert_snapshot!(refused(folder.path(), &["run", "a.scn"]));
+}
+
+#[test]
+fn units_that_are_not_there_are_told_with_the_nearest() {
+    let lines = "fmu a = \"foriegn.fmu\"\nfmu b = \"parts/foreign.fmu\"\nfmu c = \"quadcopter\"\n";
+    let folder = with_script(&format!("{HEAD}{lines}"));
+    let mut told = refused(folder.path(), &["run", "a.scn"]);
+    fs::rename(folder.path().join("foreign.fmu"), folder.path().join("quadcopter.fmu")).unwrap();
+    fs::write(folder.path().join("a.scn"), format!("{HEAD}fmu a = \"quadcoptr\"\n")).unwrap();
+    write!(told, "\n{}", refused(folder.path(), &["run", "a.scn", "--units", "."])).unwrap();
+    insta::assert_snapshot!(told);
+}
+
+#[test]
+fn settings_that_do_not_fit_are_told_with_the_place_in_them() {
+    let folder = with_script(&format!("{HEAD}param gust = 3 m/s\nfmu probe = \"foreign.fmu\"\n"));
+    let settings =
+        ["gus = 3 m/s", "gust = 3 m", "gust = true", "gust = [1, 2] m/s", "gust 3", "gust =", "gust = 3 m / s"];
+    let commands = settings.map(|setting| ["run", "a.scn", "--set", setting]);
+    insta::assert_snapshot!(all_refused(folder.path(), commands.iter().map(<[_; 4]>::as_slice)));
+}
+
+#[test]
+fn a_command_line_that_makes_no_sense_is_refused() {
+    let folder = with_script(&format!("{HEAD}fmu probe = \"foreign.fmu\"\n"));
+    let commands: [&[&str]; 6] = [
+        &["run"],
+        &["run", "b.scn"],
+        &["run", "a.scn", "--recrod", "none"],
+        &["run", "a.scn", "--record", "some"],
+        &["run", "a.scn", "--step-timeout", "soon"],
+        &["fly", "a.scn"],
+    ];
+    insta::assert_snapshot!(all_refused(folder.path(), commands));
+}
+
+/// An archive with these entries.
+fn archive(path: &Path, entries: &[(&str, &str)]) {
+    let mut archive = ZipWriter::new(File::create(path).unwrap());
+    for (name, text) in entries {
+        archive.start_file(*name, SimpleFileOptions::default()).unwrap();
+        archive.write_all(text.as_bytes()).unwrap();
+    }
+    archive.finish().unwrap();
+}
+
+#[test]
+fn files_that_are_no_units_are_told_with_what_is_wrong_in_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let description = fs::read_to_string(repository().join("tests/foreign/modelDescription.xml")).unwrap();
+    let of_fmi_3 = description.replace("fmiVersion=\"2.0\"", "fmiVersion=\"3.0\"");
+    let cut = &description[..description.len() / 2];
+    let at = |name| folder.path().join(name);
+    fs::write(at("words.fmu"), "this is no archive").unwrap();
+    fs::write(at("empty.fmu"), "").unwrap();
+    archive(&at("outside.fmu"), &[("modelDescription.xml", &description), ("../evil", "")]);
+    archive(&at("absolute.fmu"), &[("modelDescription.xml", &description), ("/etc/evil", "")]);
+    archive(&at("nameless.fmu"), &[("binaries/linux64/foreign.so", "")]);
+    archive(&at("cut.fmu"), &[("modelDescription.xml", cut)]);
+    archive(&at("newer.fmu"), &[("modelDescription.xml", &of_fmi_3)]);
+    let mut told = String::new();
+    for name in ["words", "empty", "outside", "absolute", "nameless", "cut", "newer"] {
+        fs::write(at("a.scn"), format!("{HEAD}fmu probe = \"{name}.fmu\"\n")).unwrap();
+        writeln!(told, "{}", refused(folder.path(), &["run", "a.scn"])).unwrap();
+    }
+    insta::assert_snapshot!(told);
+}
