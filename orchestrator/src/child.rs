@@ -76,7 +76,7 @@ fn prepare<'a>(plan: &'a Plan, board: &'a Arc<Board>) -> Result<StepLoop<'a, Tol
     let wiring = Wiring::new(scenario, &descriptions, &vec![0; scenario.instances.len()]);
     let claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
     let instances = boarding::instances(plan, board)?;
-    let worker: Box<dyn Worker> = Box::new(InProcess::new(&wiring, instances));
+    let worker: Box<dyn Worker> = Box::new(InProcess::new(&wiring, instances, board.note(0)));
     let wishes = Wishes { fail_fast: plan.fail_fast, record: plan.record };
     Ok(StepLoop::new(wiring, claims, vec![worker], wishes, Told::new(board)))
 }

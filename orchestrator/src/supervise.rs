@@ -17,7 +17,7 @@ use crate::report::progress::Progress;
 use crate::trace::TraceError;
 use crate::trace::csv::TraceFile;
 use crate::trace::verdict::{Finding, JudgedClaim, Judgement};
-use crate::unit::board::{Board, BoardLayout};
+use crate::unit::board::{Board, BoardLayout, InCall};
 use crate::wiring::seconds;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
@@ -143,8 +143,8 @@ struct Supervision<'a, W: Write> {
     saved: Instant,
     began: Instant,
     polled: Instant,
-    calls: Option<Watchdog>,
-    farewell: Watchdog,
+    calls: Option<Watchdog<InCall>>,
+    farewell: Watchdog<()>,
     last_row: Option<u64>,
     finish: Option<Finish>,
     failure: Option<Failure>,
@@ -222,14 +222,14 @@ impl<'a, W: Write> Supervision<'a, W> {
         let since = self.polled.elapsed();
         self.polled = Instant::now();
         if self.finish.is_some() || self.failure.is_some() {
-            if self.farewell.bites(since, Some(0)) {
+            if self.farewell.bites(since, Some(())) {
                 process.kill();
             }
             return;
         }
         let Some(calls) = &mut self.calls else { return };
         let call = self.board.note(0).read();
-        if calls.bites(since, call.map(|call| call.count)) {
+        if calls.bites(since, call) {
             let limit_s = calls.limit().as_secs_f64();
             self.failure =
                 Some(last_words::failure(call, self.board.tick(), &self.plan.scenario, Cause::Hung(limit_s)));

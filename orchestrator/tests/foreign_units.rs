@@ -5,8 +5,8 @@ use fmi2::calls::Call;
 use orchestrator::failure::{Cause, Doing, Failure};
 use orchestrator::message::LogMessage;
 use orchestrator::unit::archive::{Unpacked, unpack};
-use orchestrator::unit::board::{Board, BoardLayout, Note};
-use orchestrator::unit::instance::{Instance, Moment, Setting, StepResult};
+use orchestrator::unit::board::{Board, BoardLayout, Note, Now};
+use orchestrator::unit::instance::{Instance, Setting, StepResult};
 use orchestrator::unit::library::Library;
 use std::sync::{Arc, Mutex};
 use tempfile::TempDir;
@@ -57,10 +57,14 @@ impl Bench {
     /// An instance that is ready to step.
     fn start(&self) -> Result<Instance, Failure> {
         let mut instance = self.instantiate(&self.load().unwrap())?;
-        instance.setup_experiment(at(0))?;
-        instance.enter_initialization_mode(at(0))?;
-        instance.exit_initialization_mode(at(0))?;
+        instance.setup_experiment(&self.at(0))?;
+        instance.enter_initialization_mode(&self.at(0))?;
+        instance.exit_initialization_mode(&self.at(0))?;
         Ok(instance)
+    }
+
+    fn at(&self, tick: u64) -> Now<'_> {
+        self.note.at(tick, tick as f64 * STEP_S)
     }
 
     fn texts(&self) -> Vec<String> {
@@ -68,26 +72,22 @@ impl Bench {
     }
 }
 
-fn at(tick: u64) -> Moment {
-    Moment { tick, time_s: tick as f64 * STEP_S }
-}
-
 #[test]
 fn a_unit_in_c_runs_and_its_words_arrive_with_their_printf_arguments() {
     let bench = Bench::new(&Foreign::default());
     let mut tank = bench.start().unwrap();
-    tank.set_real(at(0), &[U, GAIN], &[3.0, 4.0]).unwrap();
-    tank.set_string(at(0), &[0], &["grüß Gott".to_owned()]).unwrap();
-    tank.set_boolean(at(0), &[0], &[1]).unwrap();
-    assert_eq!(tank.do_step(at(0), STEP_S), Ok(StepResult::Done));
-    assert_eq!(tank.do_step(at(1), STEP_S), Ok(StepResult::Done));
+    tank.set_real(&bench.at(0), &[U, GAIN], &[3.0, 4.0]).unwrap();
+    tank.set_string(&bench.at(0), &[0], &["grüß Gott".to_owned()]).unwrap();
+    tank.set_boolean(&bench.at(0), &[0], &[1]).unwrap();
+    assert_eq!(tank.do_step(&bench.at(0), STEP_S), Ok(StepResult::Done));
+    assert_eq!(tank.do_step(&bench.at(1), STEP_S), Ok(StepResult::Done));
     let (mut reals, mut count, mut enabled, mut label) = ([0.0; 3], [0], [0], [String::new()]);
-    tank.get_real(at(2), &[Y, GAIN, U], &mut reals).unwrap();
-    tank.get_integer(at(2), &[0], &mut count).unwrap();
-    tank.get_boolean(at(2), &[0], &mut enabled).unwrap();
-    tank.get_string(at(2), &[0], &mut label).unwrap();
+    tank.get_real(&bench.at(2), &[Y, GAIN, U], &mut reals).unwrap();
+    tank.get_integer(&bench.at(2), &[0], &mut count).unwrap();
+    tank.get_boolean(&bench.at(2), &[0], &mut enabled).unwrap();
+    tank.get_string(&bench.at(2), &[0], &mut label).unwrap();
     assert_eq!((reals, count, enabled, label[0].as_str()), ([9.0, 4.0, 3.0], [2], [1], "grüß Gott"));
-    tank.terminate(at(2)).unwrap();
+    tank.terminate(&bench.at(2)).unwrap();
     tank.free();
     let texts = [
         "type 1, resources in file:///",
@@ -109,13 +109,14 @@ fn several_instances_of_one_library_do_not_disturb_each_other() {
     let steps: Vec<_> = (1..=4).map(|i| (bench.instantiate(&library).unwrap(), f64::from(i))).collect();
     std::thread::scope(|scope| {
         for (mut instance, input) in steps {
+            let bench = &bench;
             scope.spawn(move || {
-                instance.set_real(at(0), &[U], &[input]).unwrap();
+                instance.set_real(&bench.at(0), &[U], &[input]).unwrap();
                 for tick in 0..100 {
-                    instance.do_step(at(tick), STEP_S).unwrap();
+                    instance.do_step(&bench.at(tick), STEP_S).unwrap();
                 }
                 let mut level = [0.0];
-                instance.get_real(at(100), &[Y], &mut level).unwrap();
+                instance.get_real(&bench.at(100), &[Y], &mut level).unwrap();
                 assert!((level[0] - 2.0 * input).abs() < 1e-12);
             });
         }
@@ -131,7 +132,7 @@ fn a_note_names_the_call_even_of_what_a_unit_says_in_it() {
     let sink = Arc::new(move |_| seen.lock().unwrap().push(note.read().unwrap()));
     let setting = Setting { name: "tank", index: 3, note: bench.note.clone(), sink, logging_on: true };
     let mut tank = Instance::instantiate(&library, setting).unwrap();
-    tank.do_step(at(7), STEP_S).unwrap();
+    tank.do_step(&bench.at(7), STEP_S).unwrap();
     let calls: Vec<_> = calls.lock().unwrap().iter().map(|call| (call.tick, call.instance, call.doing)).collect();
     assert_eq!(calls, [(0, 3, Doing::Call(Call::Instantiate)), (7, 3, Doing::Call(Call::DoStep))]);
     assert_eq!(bench.note.read(), None);
@@ -142,7 +143,7 @@ fn statuses_that_end_a_run_name_instance_call_and_time() {
     for (how, status) in [("ERROR_STATUS", 3), ("FATAL", 4), ("STATUS_42", 42)] {
         let bench = Bench::misbehaving("STEP", how);
         let mut tank = bench.start().unwrap();
-        let failure = tank.do_step(at(5), STEP_S).unwrap_err();
+        let failure = tank.do_step(&bench.at(5), STEP_S).unwrap_err();
         let expected = Failure {
             instance: Some("tank".to_owned()),
             doing: Doing::Call(Call::DoStep),
@@ -176,10 +177,10 @@ fn after_fatal_nothing_of_the_library_is_called() {
     let library = bench.load().unwrap();
     let (mut one, mut other) = (bench.instantiate(&library).unwrap(), bench.instantiate(&library).unwrap());
     assert!(!library.is_dead());
-    one.do_step(at(0), STEP_S).unwrap_err();
+    one.do_step(&bench.at(0), STEP_S).unwrap_err();
     assert!(library.is_dead());
     let before = bench.texts().len();
-    assert_eq!(other.terminate(at(0)), Ok(()));
+    assert_eq!(other.terminate(&bench.at(0)), Ok(()));
     drop((one, other));
     assert_eq!(bench.texts().len(), before);
 }
@@ -189,7 +190,7 @@ fn a_warning_is_told_once_and_the_run_goes_on() {
     let bench = Bench::misbehaving("SET", "WARNING");
     let mut tank = bench.start().unwrap();
     for tick in 0..3 {
-        tank.set_real(at(tick), &[U], &[1.0]).unwrap();
+        tank.set_real(&bench.at(tick), &[U], &[1.0]).unwrap();
     }
     let told = |text: &String| text.starts_with("fmi2SetReal returned fmi2Warning");
     assert_eq!(bench.texts().iter().filter(|text| told(text)).count(), 1);
@@ -197,28 +198,29 @@ fn a_warning_is_told_once_and_the_run_goes_on() {
 
 #[test]
 fn a_discarded_step_is_a_clean_end_if_the_unit_says_so_and_a_failure_otherwise() {
-    let mut done = Bench::misbehaving("STEP", "TERMINATED").start().unwrap();
-    assert_eq!(done.do_step(at(4), STEP_S), Ok(StepResult::Terminated { last_successful_time_s: 2.25 }));
-    let mut refused = Bench::misbehaving("STEP", "DISCARD").start().unwrap();
+    let step = |bench: &Bench| bench.start().unwrap().do_step(&bench.at(4), STEP_S);
+    let cause = |bench: &Bench| step(bench).unwrap_err().cause;
+    let done = step(&Bench::misbehaving("STEP", "TERMINATED"));
+    assert_eq!(done, Ok(StepResult::Terminated { last_successful_time_s: 2.25 }));
     let text = "fmi2DoStep returned fmi2Discard: the unit did not take the step of 0.5 s and came as far as 2.25 s";
-    assert_eq!(refused.do_step(at(4), STEP_S).unwrap_err().cause, Cause::Other(text.to_owned()));
+    assert_eq!(cause(&Bench::misbehaving("STEP", "DISCARD")), Cause::Other(text.to_owned()));
     let mute = Bench::new(&Foreign {
         defines: &["MISBEHAVE_CALL=STEP", "MISBEHAVE_HOW=TERMINATED", "WITHOUT_STATUS"],
         ..Foreign::default()
     });
     let text = "fmi2DoStep returned fmi2Discard: the unit did not take the step of 0.5 s";
-    assert_eq!(mute.start().unwrap().do_step(at(4), STEP_S).unwrap_err().cause, Cause::Other(text.to_owned()));
-    let mut pending = Bench::misbehaving("STEP", "PENDING").start().unwrap();
-    let cause = pending.do_step(at(4), STEP_S).unwrap_err().cause;
+    assert_eq!(cause(&mute), Cause::Other(text.to_owned()));
+    let cause = cause(&Bench::misbehaving("STEP", "PENDING"));
     assert!(matches!(cause, Cause::Other(text) if text.contains("fmi2Pending")));
 }
 
 #[test]
 fn what_is_no_number_is_handed_on_for_the_run_to_judge() {
-    let mut tank = Bench::misbehaving("STEP", "NOT_A_NUMBER").start().unwrap();
-    tank.do_step(at(0), STEP_S).unwrap();
+    let bench = Bench::misbehaving("STEP", "NOT_A_NUMBER");
+    let mut tank = bench.start().unwrap();
+    tank.do_step(&bench.at(0), STEP_S).unwrap();
     let mut level = [0.0];
-    tank.get_real(at(1), &[Y], &mut level).unwrap();
+    tank.get_real(&bench.at(1), &[Y], &mut level).unwrap();
     assert!(level[0].is_nan());
 }
 

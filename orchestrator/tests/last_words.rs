@@ -5,7 +5,7 @@ use fmi2::calls::Call;
 use orchestrator::failure::Doing;
 use orchestrator::unit::archive::{read_description, unpack};
 use orchestrator::unit::board::{Board, BoardLayout};
-use orchestrator::unit::instance::{Instance, Moment, Setting};
+use orchestrator::unit::instance::{Instance, Setting};
 use orchestrator::unit::library::Library;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
@@ -29,21 +29,22 @@ fn run_that_a_unit_ends() {
     let sink = Arc::new(move |message: orchestrator::message::LogMessage| {
         tell.push_message(message.text.as_bytes());
     });
-    let setting = Setting { name: "tank", index: 5, note: board.note(0), sink, logging_on: true };
+    let note = board.note(0);
+    let setting = Setting { name: "tank", index: 5, note: note.clone(), sink, logging_on: true };
     let mut tank = Instance::instantiate(&Arc::new(library), setting).unwrap();
-    let start = Moment::default();
-    tank.setup_experiment(start).unwrap();
-    tank.enter_initialization_mode(start).unwrap();
-    tank.exit_initialization_mode(start).unwrap();
+    let at = |tick: u64| note.at(tick, tick as f64 * 0.1);
+    tank.setup_experiment(&at(0)).unwrap();
+    tank.enter_initialization_mode(&at(0)).unwrap();
+    tank.exit_initialization_mode(&at(0)).unwrap();
     for tick in 0..20 {
-        let now = Moment { tick, time_s: tick as f64 * 0.1 };
+        let now = at(tick);
         let mut level = [0.0];
-        tank.set_real(now, &[0], &[1.0]).unwrap();
-        tank.get_real(now, &[2], &mut level).unwrap();
+        tank.set_real(&now, &[0], &[1.0]).unwrap();
+        tank.get_real(&now, &[2], &mut level).unwrap();
         board.push_row(tick, &[f64::to_bits(level[0])]);
-        tank.do_step(now, 0.1).unwrap();
+        tank.do_step(&now, 0.1).unwrap();
     }
-    tank.terminate(Moment { tick: 20, time_s: 2.0 }).unwrap();
+    tank.terminate(&at(20)).unwrap();
     tank.free();
     board.finish();
 }

@@ -4,16 +4,14 @@ use super::told::message;
 use crate::failure::{Cause, Doing, Failure};
 use crate::message::Message;
 use crate::plan::{Plan, PlannedUnit};
-use crate::unit::board::Board;
-use crate::unit::instance::{Instance, Moment, Setting};
+use crate::unit::board::{Board, Now};
+use crate::unit::instance::{Instance, Setting};
 use crate::unit::library::Library;
 use crate::unit::logger::LogSink;
 use crate::worker::Seating;
 use dsl::scenario::{Preset, Value};
 use std::path::Path;
 use std::sync::Arc;
-
-const START: Moment = Moment { tick: 0, time_s: 0.0 };
 
 /// All instances of a plan, each in initialization mode, in the script's order.
 ///
@@ -24,6 +22,8 @@ pub fn instances(plan: &Plan, board: &Arc<Board>) -> Result<Vec<Seating>, Failur
         let board = Arc::clone(board);
         Arc::new(move |said| message(&board, &Message::Log(said)))
     };
+    let note = board.note(0);
+    let start = || note.at(0, 0.0);
     let mut libraries: Vec<Option<Arc<Library>>> = vec![None; plan.units.len()];
     let mut seatings = Vec::with_capacity(plan.scenario.instances.len());
     for (index, planned) in plan.scenario.instances.iter().enumerate() {
@@ -33,17 +33,17 @@ pub fn instances(plan: &Plan, board: &Arc<Board>) -> Result<Vec<Seating>, Failur
             None => load(unit, &planned.name, index, board)?,
         };
         libraries[plan.unit_of[index]] = Some(Arc::clone(&library));
-        let (note, sink) = (board.note(0), Arc::clone(&sink));
+        let (note, sink) = (note.clone(), Arc::clone(&sink));
         let setting = Setting { name: &planned.name, index, note, sink, logging_on: false };
         let mut instance = Instance::instantiate(&library, setting)?;
         for preset in &planned.presets {
-            set(&mut instance, preset, unit, &plan.folder)?;
+            set(&mut instance, &start(), preset, unit, &plan.folder)?;
         }
-        instance.setup_experiment(START)?;
+        instance.setup_experiment(&start())?;
         seatings.push(Seating { index, instance });
     }
     for seating in &mut seatings {
-        seating.instance.enter_initialization_mode(START)?;
+        seating.instance.enter_initialization_mode(&start())?;
     }
     Ok(seatings)
 }
@@ -58,16 +58,22 @@ fn load(unit: &PlannedUnit, name: &str, index: usize, board: &Board) -> Result<A
     })
 }
 
-fn set(instance: &mut Instance, preset: &Preset, unit: &PlannedUnit, folder: &Path) -> Result<(), Failure> {
+fn set(
+    instance: &mut Instance,
+    start: &Now<'_>,
+    preset: &Preset,
+    unit: &PlannedUnit,
+    folder: &Path,
+) -> Result<(), Failure> {
     let reference = &[unit.description.variables[preset.variable].value_reference];
     match &preset.value {
-        Value::Real(value) => instance.set_real(START, reference, &[*value]),
-        Value::Integer(value) => instance.set_integer(START, reference, &[*value]),
-        Value::Boolean(value) => instance.set_boolean(START, reference, &[i32::from(*value)]),
-        Value::String(text) => instance.set_string(START, reference, std::slice::from_ref(text)),
+        Value::Real(value) => instance.set_real(start, reference, &[*value]),
+        Value::Integer(value) => instance.set_integer(start, reference, &[*value]),
+        Value::Boolean(value) => instance.set_boolean(start, reference, &[i32::from(*value)]),
+        Value::String(text) => instance.set_string(start, reference, std::slice::from_ref(text)),
         Value::File(path) => {
             let path = folder.join(path).to_string_lossy().into_owned();
-            instance.set_string(START, reference, &[path])
+            instance.set_string(start, reference, &[path])
         }
     }
 }

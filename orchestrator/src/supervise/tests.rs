@@ -80,7 +80,9 @@ impl Run {
 fn rows_and_the_call_of_a_process_that_died_are_there() {
     let run = Run::new();
     run.rows(3);
-    run.board.note(0).enter(2, 0, Doing::Call(Call::DoStep));
+    let note = run.board.note(0);
+    let now = note.at(2, 0.02);
+    now.enter(0, Doing::Call(Call::DoStep));
     let (ended, _) = run.concluded(DIED_OF_SIGSEGV);
     let failure = ended.failure.unwrap().to_string();
     assert_eq!(failure, "`quad` died of signal 11 (SIGSEGV) in fmi2DoStep at 0.02 s");

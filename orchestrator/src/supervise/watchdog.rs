@@ -9,13 +9,13 @@ const LONGEST_LOOK: Duration = Duration::from_millis(100);
 
 /// Counts the time that the same call has been in progress.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Watchdog {
+pub(super) struct Watchdog<T> {
     limit: Duration,
     still: Duration,
-    call: Option<u64>,
+    call: Option<T>,
 }
 
-impl Watchdog {
+impl<T: PartialEq> Watchdog<T> {
     pub fn new(limit: Duration) -> Self {
         Self { limit, still: Duration::ZERO, call: None }
     }
@@ -24,9 +24,9 @@ impl Watchdog {
         self.limit
     }
 
-    /// Takes a look, `since` after the last one, at the number of the call in progress, if one is; says whether it has
-    /// been the same for as long as it may.
-    pub fn bites(&mut self, since: Duration, call: Option<u64>) -> bool {
+    /// Takes a look, `since` after the last one, at the call in progress, if one is; says whether it has been the same for
+    /// as long as it may.
+    pub fn bites(&mut self, since: Duration, call: Option<T>) -> bool {
         if call.is_none() || call != self.call {
             self.call = call;
             self.still = Duration::ZERO;
@@ -43,7 +43,11 @@ mod tests {
 
     const LOOK: Duration = Duration::from_millis(50);
 
-    fn looks_until_it_bites(dog: &mut Watchdog, since: Duration, call: impl Fn(usize) -> Option<u64>) -> Option<usize> {
+    fn looks_until_it_bites(
+        dog: &mut Watchdog<u64>,
+        since: Duration,
+        call: impl Fn(usize) -> Option<u64>,
+    ) -> Option<usize> {
         (0..1000).find(|&look| dog.bites(since, call(look)))
     }
 

@@ -14,7 +14,7 @@ mod note;
 mod ring;
 
 pub use claim::ClaimNote;
-pub use note::{InCall, Note};
+pub use note::{InCall, Note, Now};
 
 use claim::CLAIM_WORDS;
 use mapping::Mapping;

@@ -1,4 +1,4 @@
-//! One instance of a unit: the calls of FMI 2.0, each noted on the board before and after, each answer judged.
+//! One instance of a unit: the calls of FMI 2.0, each noted on the board, each answer judged.
 //!
 //! Next on the walk of a number: `fmus/<unit>/src/lib.rs`, on the other side of the function pointers.
 
@@ -7,7 +7,7 @@ mod strings;
 
 pub use lifecycle::Setting;
 
-use super::board::Note;
+use super::board::{Note, Now};
 use super::library::{Functions, Library};
 use super::logger::{LogSink, Registration};
 use crate::failure::{Cause, Doing, Failure};
@@ -19,15 +19,6 @@ use fmi2::calls::Call;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use strings::Strings;
-
-/// Simulated time, both ways that it is needed: notes tell ticks, units and people want seconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moment {
-    /// The tick.
-    pub tick: u64,
-    /// The same in seconds, tick × step.
-    pub time_s: f64,
-}
 
 /// How a step ended that was no failure.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,7 +88,7 @@ impl Instance {
     /// # Errors
     /// The unit refuses.
     #[inline]
-    pub fn set_real(&mut self, now: Moment, references: &[u32], values: &[f64]) -> Result<(), Failure> {
+    pub fn set_real(&mut self, now: &Now<'_>, references: &[u32], values: &[f64]) -> Result<(), Failure> {
         self.values(now, Call::SetReal, references.len(), values.len(), |functions, component, count| {
             // SAFETY: both slices have `count` elements, and the unit only reads them.
             unsafe { (functions.set_real)(component, references.as_ptr(), count, values.as_ptr()) }
@@ -109,7 +100,7 @@ impl Instance {
     /// # Errors
     /// The unit refuses.
     #[inline]
-    pub fn set_integer(&mut self, now: Moment, references: &[u32], values: &[i32]) -> Result<(), Failure> {
+    pub fn set_integer(&mut self, now: &Now<'_>, references: &[u32], values: &[i32]) -> Result<(), Failure> {
         self.values(now, Call::SetInteger, references.len(), values.len(), |functions, component, count| {
             // SAFETY: both slices have `count` elements, and the unit only reads them.
             unsafe { (functions.set_integer)(component, references.as_ptr(), count, values.as_ptr()) }
@@ -121,7 +112,7 @@ impl Instance {
     /// # Errors
     /// The unit refuses.
     #[inline]
-    pub fn set_boolean(&mut self, now: Moment, references: &[u32], values: &[Boolean]) -> Result<(), Failure> {
+    pub fn set_boolean(&mut self, now: &Now<'_>, references: &[u32], values: &[Boolean]) -> Result<(), Failure> {
         self.values(now, Call::SetBoolean, references.len(), values.len(), |functions, component, count| {
             // SAFETY: both slices have `count` elements, and the unit only reads them.
             unsafe { (functions.set_boolean)(component, references.as_ptr(), count, values.as_ptr()) }
@@ -133,7 +124,7 @@ impl Instance {
     /// # Errors
     /// The unit refuses.
     #[inline]
-    pub fn get_real(&mut self, now: Moment, references: &[u32], values: &mut [f64]) -> Result<(), Failure> {
+    pub fn get_real(&mut self, now: &Now<'_>, references: &[u32], values: &mut [f64]) -> Result<(), Failure> {
         self.values(now, Call::GetReal, references.len(), values.len(), |functions, component, count| {
             // SAFETY: both slices have `count` elements; the unit reads the first and writes the second.
             unsafe { (functions.get_real)(component, references.as_ptr(), count, values.as_mut_ptr()) }
@@ -145,7 +136,7 @@ impl Instance {
     /// # Errors
     /// The unit refuses.
     #[inline]
-    pub fn get_integer(&mut self, now: Moment, references: &[u32], values: &mut [i32]) -> Result<(), Failure> {
+    pub fn get_integer(&mut self, now: &Now<'_>, references: &[u32], values: &mut [i32]) -> Result<(), Failure> {
         self.values(now, Call::GetInteger, references.len(), values.len(), |functions, component, count| {
             // SAFETY: both slices have `count` elements; the unit reads the first and writes the second.
             unsafe { (functions.get_integer)(component, references.as_ptr(), count, values.as_mut_ptr()) }
@@ -157,7 +148,7 @@ impl Instance {
     /// # Errors
     /// The unit refuses.
     #[inline]
-    pub fn get_boolean(&mut self, now: Moment, references: &[u32], values: &mut [Boolean]) -> Result<(), Failure> {
+    pub fn get_boolean(&mut self, now: &Now<'_>, references: &[u32], values: &mut [Boolean]) -> Result<(), Failure> {
         self.values(now, Call::GetBoolean, references.len(), values.len(), |functions, component, count| {
             // SAFETY: both slices have `count` elements; the unit reads the first and writes the second.
             unsafe { (functions.get_boolean)(component, references.as_ptr(), count, values.as_mut_ptr()) }
@@ -172,7 +163,7 @@ impl Instance {
     ///
     /// # Errors
     /// The unit refuses.
-    pub fn set_string(&mut self, now: Moment, references: &[u32], values: &[String]) -> Result<(), Failure> {
+    pub fn set_string(&mut self, now: &Now<'_>, references: &[u32], values: &[String]) -> Result<(), Failure> {
         let mut strings = std::mem::take(&mut self.strings);
         let texts = strings.for_unit(values);
         let result = self.values(now, Call::SetString, references.len(), texts.len(), |functions, component, count| {
@@ -187,7 +178,7 @@ impl Instance {
     ///
     /// # Errors
     /// The unit refuses.
-    pub fn get_string(&mut self, now: Moment, references: &[u32], values: &mut [String]) -> Result<(), Failure> {
+    pub fn get_string(&mut self, now: &Now<'_>, references: &[u32], values: &mut [String]) -> Result<(), Failure> {
         let mut strings = std::mem::take(&mut self.strings);
         let texts = strings.of_unit(values.len());
         let result = self.values(now, Call::GetString, references.len(), texts.len(), |functions, component, count| {
@@ -207,7 +198,7 @@ impl Instance {
     /// # Errors
     /// The unit does not come to the end of the step and does not say that it is done for good either.
     #[inline]
-    pub fn do_step(&mut self, now: Moment, step_s: f64) -> Result<StepResult, Failure> {
+    pub fn do_step(&mut self, now: &Now<'_>, step_s: f64) -> Result<StepResult, Failure> {
         let status = self.raw(now, Call::DoStep, |functions, component| {
             // SAFETY: plain numbers; the last says that no state before this point will be restored.
             unsafe { (functions.do_step)(component, now.time_s, step_s, TRUE) }
@@ -216,7 +207,7 @@ impl Instance {
     }
 
     #[cold]
-    fn after_step(&mut self, now: Moment, step_s: f64, status: RawStatus) -> Result<StepResult, Failure> {
+    fn after_step(&mut self, now: &Now<'_>, step_s: f64, status: RawStatus) -> Result<StepResult, Failure> {
         match Status::from_raw(status) {
             Some(Status::Discard) => self.discarded(now, step_s),
             Some(Status::Pending) => {
@@ -228,7 +219,7 @@ impl Instance {
     }
 
     /// A discarded step: asks whether the unit is done for good, and how far it came.
-    fn discarded(&mut self, now: Moment, step_s: f64) -> Result<StepResult, Failure> {
+    fn discarded(&mut self, now: &Now<'_>, step_s: f64) -> Result<StepResult, Failure> {
         let mut terminated = FALSE;
         let mut reached_s = f64::NAN;
         if let Some(ask) = self.functions.get_boolean_status {
@@ -258,7 +249,7 @@ impl Instance {
     #[inline]
     fn values(
         &mut self,
-        now: Moment,
+        now: &Now<'_>,
         call: Call,
         references: usize,
         values: usize,
@@ -275,7 +266,7 @@ impl Instance {
     #[inline]
     fn checked(
         &mut self,
-        now: Moment,
+        now: &Now<'_>,
         call: Call,
         foreign: impl FnOnce(&Functions, Component) -> RawStatus,
     ) -> Result<(), Failure> {
@@ -283,17 +274,15 @@ impl Instance {
         if status == Status::Ok as RawStatus { Ok(()) } else { self.judge(now, call, status) }
     }
 
-    /// A call between its two notes.
+    /// A call that is noted.
     #[inline]
-    fn raw(&self, now: Moment, call: Call, foreign: impl FnOnce(&Functions, Component) -> RawStatus) -> RawStatus {
-        self.note.enter(now.tick, self.index, Doing::Call(call));
-        let status = foreign(&self.functions, self.component);
-        self.note.leave();
-        status
+    fn raw(&self, now: &Now<'_>, call: Call, foreign: impl FnOnce(&Functions, Component) -> RawStatus) -> RawStatus {
+        now.enter(self.index, Doing::Call(call));
+        foreign(&self.functions, self.component)
     }
 
     #[cold]
-    fn judge(&mut self, now: Moment, call: Call, status: RawStatus) -> Result<(), Failure> {
+    fn judge(&mut self, now: &Now<'_>, call: Call, status: RawStatus) -> Result<(), Failure> {
         match Status::from_raw(status) {
             Some(Status::Ok) => return Ok(()),
             Some(Status::Warning) => {
@@ -307,7 +296,7 @@ impl Instance {
     }
 
     /// Says once that a call returned a warning: the unit's own messages say why, if it has any.
-    fn warn(&mut self, now: Moment, call: Call) {
+    fn warn(&mut self, now: &Now<'_>, call: Call) {
         if !std::mem::replace(&mut self.log.warned, true) {
             let text = format!("{} returned fmi2Warning (told once; the run goes on)", call.name());
             let (status, category) = (Status::Warning as RawStatus, "logStatusWarning".to_owned());
@@ -315,7 +304,7 @@ impl Instance {
         }
     }
 
-    fn failure(&self, now: Moment, call: Call, cause: Cause) -> Failure {
+    fn failure(&self, now: &Now<'_>, call: Call, cause: Cause) -> Failure {
         Failure { instance: Some(self.name.clone()), doing: Doing::Call(call), time_s: Some(now.time_s), cause }
     }
 }

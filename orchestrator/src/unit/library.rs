@@ -68,13 +68,14 @@ impl Library {
         })?;
         let path = find(&folder, &co_simulation.model_identifier)?;
         offer_libm();
-        note.enter(0, instance, Doing::Load);
+        let now = note.at(0, 0.0);
+        now.enter(instance, Doing::Load);
         let opened = undisturbed(|| {
             // SAFETY: the library's constructors are foreign code; that it may do anything is why this process has a
             // parent that watches over it.
             unsafe { loader::Library::open(Some(&path), loader::RTLD_NOW | loader::RTLD_LOCAL) }
         });
-        note.leave();
+        drop(now);
         let opened = opened.map_err(|error| refusal(&path, &error))?;
         let functions = Functions::of(&opened, &path)?;
         // Never closed, see the type's comment.
@@ -162,10 +163,11 @@ fn check_answers(functions: &Functions, path: &Path, note: &Note, instance: usiz
         (Call::GetVersion, functions.get_version, "2.0"),
         (Call::GetTypesPlatform, functions.get_types_platform, "default"),
     ] {
-        note.enter(0, instance, Doing::Call(call));
+        let now = note.at(0, 0.0);
+        now.enter(instance, Doing::Call(call));
         // SAFETY: the function may be called at any time, and answers a constant of the library.
         let answer = unsafe { read_text(function()) };
-        note.leave();
+        drop(now);
         if answer != expected {
             let (library, function) = (path.to_path_buf(), call.name());
             return Err(UnitError::Version { library, function, expected, found: answer });

@@ -2,7 +2,8 @@
 
 use super::{Lost, Order, Reply, Terminated, Ticket, Worker};
 use crate::failure::Failure;
-use crate::unit::instance::{Instance, Moment, StepResult};
+use crate::unit::board::{Note, Now};
+use crate::unit::instance::{Instance, StepResult};
 use crate::values::Values;
 use crate::wiring::{Group, Member, Pick, Ports, Span, Wiring, seconds};
 use fmi2::description::BaseType;
@@ -20,6 +21,7 @@ pub struct Seating {
 /// Holds instances and steps them when ordered, one after the other.
 #[derive(Debug)]
 pub struct InProcess {
+    note: Note,
     step_ns: u64,
     /// By group and then in the script's order.
     seats: Vec<Seat>,
@@ -68,9 +70,9 @@ struct Team {
 }
 
 impl InProcess {
-    /// Seats the instances of one worker.
+    /// Seats the instances of one worker, which notes its calls here.
     #[must_use]
-    pub fn new(wiring: &Wiring, seatings: Vec<Seating>) -> Self {
+    pub fn new(wiring: &Wiring, seatings: Vec<Seating>, note: Note) -> Self {
         let count = wiring.members.len();
         let mut waiting: Vec<Option<Instance>> = std::iter::repeat_with(|| None).take(count).collect();
         for seating in seatings {
@@ -89,49 +91,47 @@ impl InProcess {
             Team { seats: first..seats.len(), every: group.every, lost: None, terminated: Vec::new() }
         };
         let teams = wiring.groups.iter().map(&mut team).collect();
-        Self { step_ns: wiring.step_ns, seats, teams }
+        Self { note, step_ns: wiring.step_ns, seats, teams }
     }
+}
 
-    fn seat(&mut self, index: usize) -> &mut Seat {
-        let seat = self.seats.iter_mut().find(|seat| seat.index == index);
-        seat.unwrap_or_else(|| unreachable!("instance {index} is not with this worker"))
-    }
-
-    fn moment(&self, tick: u64) -> Moment {
-        Moment { tick, time_s: seconds(tick, self.step_ns) }
-    }
+fn find(seats: &mut [Seat], index: usize) -> &mut Seat {
+    let seat = seats.iter_mut().find(|seat| seat.index == index);
+    seat.unwrap_or_else(|| unreachable!("instance {index} is not with this worker"))
 }
 
 impl Worker for InProcess {
     fn set_initial(&mut self, instance: usize, picks: &[Pick], inputs: &Values) -> Result<(), Lost> {
-        let now = self.moment(0);
-        let seat = self.seat(instance);
-        picks.iter().try_for_each(|pick| seat.set_one(now, pick, inputs)).map_err(|failure| seat.lose(failure))
+        let Self { note, seats, .. } = self;
+        let seat = find(seats, instance);
+        let mut set = |pick| seat.set_one(&note.at(0, 0.0), pick, inputs);
+        picks.iter().try_for_each(&mut set).map_err(|failure| seat.lose(failure))
     }
 
     fn get_initial(&mut self, instance: usize, picks: &[Pick], outputs: &mut Values) -> Result<(), Lost> {
-        let now = self.moment(0);
-        let seat = self.seat(instance);
-        picks.iter().try_for_each(|pick| seat.get_one(now, pick, outputs)).map_err(|failure| seat.lose(failure))
+        let Self { note, seats, .. } = self;
+        let seat = find(seats, instance);
+        let mut get = |pick| seat.get_one(&note.at(0, 0.0), pick, outputs);
+        picks.iter().try_for_each(&mut get).map_err(|failure| seat.lose(failure))
     }
 
     fn start(&mut self, outputs: &mut Values) -> Result<(), Lost> {
-        let now = self.moment(0);
+        let now = self.note.at(0, 0.0);
         let mut seats: Vec<_> = self.seats.iter_mut().collect();
         seats.sort_by_key(|seat| seat.index);
         for seat in seats {
-            let started = seat.instance.exit_initialization_mode(now).and_then(|()| seat.get(now, outputs));
+            let started = seat.instance.exit_initialization_mode(&now).and_then(|()| seat.get(&now, outputs));
             started.map_err(|failure| seat.lose(failure))?;
         }
         Ok(())
     }
 
     fn order(&mut self, order: &Order<'_>) -> Result<Ticket, Lost> {
-        let now = self.moment(order.tick);
+        let now = self.note.at(order.tick, seconds(order.tick, self.step_ns));
         let team = &mut self.teams[order.group];
         let step_s = seconds(team.every, self.step_ns);
         for seat in &mut self.seats[team.seats.clone()] {
-            match seat.set(now, order.inputs).and_then(|()| seat.instance.do_step(now, step_s)) {
+            match seat.set(&now, order.inputs).and_then(|()| seat.instance.do_step(&now, step_s)) {
                 Ok(StepResult::Done) => {}
                 Ok(StepResult::Terminated { last_successful_time_s }) => {
                     team.terminated.push(Terminated { instance: seat.index, last_successful_time_s });
@@ -147,24 +147,24 @@ impl Worker for InProcess {
     }
 
     fn reply(&mut self, ticket: Ticket, due_tick: u64, outputs: &mut Values) -> Result<Reply, Lost> {
-        let now = self.moment(due_tick);
+        let now = self.note.at(due_tick, seconds(due_tick, self.step_ns));
         let team = &mut self.teams[ticket.group];
         if let Some(lost) = team.lost.take() {
             return Err(lost);
         }
         for seat in &mut self.seats[team.seats.clone()] {
-            seat.get(now, outputs).map_err(|failure| seat.lose(failure))?;
+            seat.get(&now, outputs).map_err(|failure| seat.lose(failure))?;
         }
         Ok(Reply { terminated: std::mem::take(&mut team.terminated) })
     }
 
     fn finish(&mut self, tick: u64) -> Result<(), Lost> {
-        let now = self.moment(tick);
+        let now = self.note.at(tick, seconds(tick, self.step_ns));
         let mut first = Ok(());
         self.seats.sort_by_key(|seat| seat.index);
         for mut seat in self.seats.drain(..) {
             if !seat.failed
-                && let Err(failure) = seat.instance.terminate(now)
+                && let Err(failure) = seat.instance.terminate(&now)
             {
                 first = first.and(Err(seat.lose(failure)));
             }
@@ -201,7 +201,7 @@ impl Seat {
     }
 
     #[inline]
-    fn set(&mut self, now: Moment, inputs: &Values) -> Result<(), Failure> {
+    fn set(&mut self, now: &Now<'_>, inputs: &Values) -> Result<(), Failure> {
         let Calls { reals, others } = &self.inputs;
         if !reals.references.is_empty() {
             self.instance.set_real(now, &reals.references, &inputs.reals[reals.range()])?;
@@ -210,7 +210,7 @@ impl Seat {
     }
 
     #[inline]
-    fn get(&mut self, now: Moment, outputs: &mut Values) -> Result<(), Failure> {
+    fn get(&mut self, now: &Now<'_>, outputs: &mut Values) -> Result<(), Failure> {
         let Calls { reals, others } = &self.outputs;
         if !reals.references.is_empty() {
             self.instance.get_real(now, &reals.references, &mut outputs.reals[reals.range()])?;
@@ -219,7 +219,7 @@ impl Seat {
     }
 
     #[inline(never)]
-    fn set_others(&mut self, now: Moment, inputs: &Values) -> Result<(), Failure> {
+    fn set_others(&mut self, now: &Now<'_>, inputs: &Values) -> Result<(), Failure> {
         let Some(Others { integers, booleans, texts }) = self.inputs.others.as_deref() else { return Ok(()) };
         self.instance.set_integer(now, &integers.references, &inputs.integers[integers.range()])?;
         self.instance.set_boolean(now, &booleans.references, &inputs.booleans[booleans.range()])?;
@@ -227,14 +227,14 @@ impl Seat {
     }
 
     #[inline(never)]
-    fn get_others(&mut self, now: Moment, outputs: &mut Values) -> Result<(), Failure> {
+    fn get_others(&mut self, now: &Now<'_>, outputs: &mut Values) -> Result<(), Failure> {
         let Some(Others { integers, booleans, texts }) = self.outputs.others.as_deref() else { return Ok(()) };
         self.instance.get_integer(now, &integers.references, &mut outputs.integers[integers.range()])?;
         self.instance.get_boolean(now, &booleans.references, &mut outputs.booleans[booleans.range()])?;
         self.instance.get_string(now, &texts.references, &mut outputs.texts[texts.range()])
     }
 
-    fn set_one(&mut self, now: Moment, pick: &Pick, inputs: &Values) -> Result<(), Failure> {
+    fn set_one(&mut self, now: &Now<'_>, pick: &Pick, inputs: &Values) -> Result<(), Failure> {
         let (at, reference) = (pick.slot.index..=pick.slot.index, &[pick.reference]);
         match pick.slot.base {
             BaseType::Real => self.instance.set_real(now, reference, &inputs.reals[at]),
@@ -244,7 +244,7 @@ impl Seat {
         }
     }
 
-    fn get_one(&mut self, now: Moment, pick: &Pick, outputs: &mut Values) -> Result<(), Failure> {
+    fn get_one(&mut self, now: &Now<'_>, pick: &Pick, outputs: &mut Values) -> Result<(), Failure> {
         let (at, reference) = (pick.slot.index..=pick.slot.index, &[pick.reference]);
         match pick.slot.base {
             BaseType::Real => self.instance.get_real(now, reference, &mut outputs.reals[at]),

@@ -1,4 +1,7 @@
-//! The call in progress: what a stepping thread is doing, told before and after every call of a unit.
+//! The call in progress: what a stepping thread is doing, told before every call of a unit and when it calls no more.
+//!
+//! The loop makes many calls at one moment. Each costs one store; the moment is told once, and so is its end, so that
+//! what happens between two calls counts to the former.
 
 use super::mapping::Mapping;
 use crate::failure::Doing;
@@ -29,7 +32,7 @@ pub struct InCall {
     pub instance: usize,
     /// The call.
     pub doing: Doing,
-    /// How many calls the thread has begun. Where it stands still, so does the thread.
+    /// How many moments the thread has begun. As long as nothing in here changes, it is in the same call.
     pub count: u64,
 }
 
@@ -58,25 +61,19 @@ impl Note {
         unsafe { self.words.as_ref() }
     }
 
-    /// Says that a call begins.
+    /// Begins calls at one moment, the only ones of this thread until what is returned is dropped.
     #[inline]
-    pub fn enter(&self, tick: u64, instance: usize, doing: Doing) {
+    pub fn at(&self, tick: u64, time_s: f64) -> Now<'_> {
         let words = self.words();
         words[TICK_AT].store(tick, Ordering::Relaxed);
         let count = words[COUNT_AT].load(Ordering::Relaxed);
         words[COUNT_AT].store(count.wrapping_add(1), Ordering::Relaxed);
-        words[DOING_AT].store((instance as u64) << 8 | code(doing), Ordering::Release);
-    }
-
-    /// Says that the call has returned.
-    #[inline]
-    pub fn leave(&self) {
-        self.words()[DOING_AT].store(OUTSIDE, Ordering::Release);
+        Now { note: self, tick, time_s }
     }
 
     /// The call in progress; `None` between calls, or if something else than a call was written here.
     ///
-    /// While the thread runs on, tick and count may already be those of its next call.
+    /// While the thread runs on, tick and count may already be those of a later call.
     #[must_use]
     pub fn read(&self) -> Option<InCall> {
         let words = self.words();
@@ -93,6 +90,33 @@ impl Note {
     #[must_use]
     pub fn tick(&self) -> u64 {
         self.words()[TICK_AT].load(Ordering::Relaxed)
+    }
+}
+
+/// A moment at which calls are made; when it is dropped, the note says that the thread makes none.
+///
+/// At one moment no instance is called twice by the same function, or a watcher would not see that it gets on.
+#[derive(Debug)]
+pub struct Now<'a> {
+    note: &'a Note,
+    /// The tick, which notes tell.
+    pub tick: u64,
+    /// The same in seconds, tick × step, which units and people want.
+    pub time_s: f64,
+}
+
+impl Now<'_> {
+    /// Says that a call begins.
+    #[inline]
+    pub fn enter(&self, instance: usize, doing: Doing) {
+        self.note.words()[DOING_AT].store((instance as u64) << 8 | code(doing), Ordering::Release);
+    }
+}
+
+impl Drop for Now<'_> {
+    #[inline]
+    fn drop(&mut self) {
+        self.note.words()[DOING_AT].store(OUTSIDE, Ordering::Release);
     }
 }
 

@@ -50,20 +50,25 @@ fn a_note_tells_the_call_in_progress_and_nothing_between_calls() {
     let (_folder, parent, child) = both_sides();
     let (ours, theirs) = (child.note(1), parent.note(1));
     assert_eq!(theirs.read(), None);
-    ours.enter(7, 300, Doing::Call(Call::DoStep));
+    let now = ours.at(7, 0.07);
+    assert_eq!(theirs.read(), None);
+    now.enter(4, Doing::Call(Call::SetReal));
+    now.enter(300, Doing::Call(Call::DoStep));
     let in_call = InCall { tick: 7, instance: 300, doing: Doing::Call(Call::DoStep), count: 1 };
     assert_eq!(theirs.read(), Some(in_call));
     assert_eq!(parent.note(0).read(), None);
-    ours.leave();
+    drop(now);
     assert_eq!((theirs.read(), theirs.tick()), (None, 7));
-    ours.enter(8, 0, Doing::Load);
+    let now = ours.at(8, 0.08);
+    now.enter(0, Doing::Load);
     assert_eq!(theirs.read(), Some(InCall { tick: 8, instance: 0, doing: Doing::Load, count: 2 }));
 }
 
 #[test]
 fn a_note_outlives_the_board_that_gave_it() {
     let note = Board::private(&LAYOUT).unwrap().note(0);
-    note.enter(1, 2, Doing::Load);
+    let now = note.at(1, 0.01);
+    now.enter(2, Doing::Load);
     assert_eq!(note.read().map(|in_call| in_call.instance), Some(2));
 }
 

@@ -1,8 +1,8 @@
 //! From `fmi2Instantiate` to `fmi2FreeInstance`.
 
-use super::{Instance, LogTap, Moment, Strings};
+use super::{Instance, LogTap, Strings};
 use crate::failure::{Cause, Doing, Failure};
-use crate::unit::board::Note;
+use crate::unit::board::{Note, Now};
 use crate::unit::library::{Library, undisturbed};
 use crate::unit::logger::{Environment, LOGGER, LogSink, Registration};
 use fmi2::c::{Boolean, CO_SIMULATION, CallbackFunctions, FALSE};
@@ -58,7 +58,8 @@ impl Instance {
             step_finished: None,
             component_environment: registration.handle(),
         });
-        note.enter(0, index, Doing::Call(Call::Instantiate));
+        let now = note.at(0, 0.0);
+        now.enter(index, Doing::Call(Call::Instantiate));
         let component = undisturbed(|| {
             let (guid, resources) = (library.guid.as_ptr(), library.resources.as_ptr());
             let (visible, logging) = (FALSE, Boolean::from(logging_on));
@@ -68,7 +69,7 @@ impl Instance {
                 instantiate(c_name.as_ptr(), CO_SIMULATION, guid, resources, &raw const *callbacks, visible, logging)
             }
         });
-        note.leave();
+        drop(now);
         if component.is_null() {
             return Err(failure(Cause::NoInstance));
         }
@@ -91,7 +92,7 @@ impl Instance {
     ///
     /// # Errors
     /// The unit refuses.
-    pub fn setup_experiment(&mut self, start: Moment) -> Result<(), Failure> {
+    pub fn setup_experiment(&mut self, start: &Now<'_>) -> Result<(), Failure> {
         self.checked(start, Call::SetupExperiment, |functions, component| {
             // SAFETY: plain numbers.
             unsafe { (functions.setup_experiment)(component, FALSE, 0.0, start.time_s, FALSE, 0.0) }
@@ -102,7 +103,7 @@ impl Instance {
     ///
     /// # Errors
     /// The unit refuses.
-    pub fn enter_initialization_mode(&mut self, now: Moment) -> Result<(), Failure> {
+    pub fn enter_initialization_mode(&mut self, now: &Now<'_>) -> Result<(), Failure> {
         self.checked(now, Call::EnterInitializationMode, |functions, component| {
             // SAFETY: the component is this library's.
             unsafe { (functions.enter_initialization_mode)(component) }
@@ -113,7 +114,7 @@ impl Instance {
     ///
     /// # Errors
     /// The unit refuses.
-    pub fn exit_initialization_mode(&mut self, now: Moment) -> Result<(), Failure> {
+    pub fn exit_initialization_mode(&mut self, now: &Now<'_>) -> Result<(), Failure> {
         self.checked(now, Call::ExitInitializationMode, |functions, component| {
             // SAFETY: the component is this library's.
             unsafe { (functions.exit_initialization_mode)(component) }
@@ -124,7 +125,7 @@ impl Instance {
     ///
     /// # Errors
     /// The unit refuses.
-    pub fn terminate(&mut self, now: Moment) -> Result<(), Failure> {
+    pub fn terminate(&mut self, now: &Now<'_>) -> Result<(), Failure> {
         if self.library.is_dead() {
             return Ok(());
         }
@@ -143,10 +144,10 @@ impl Drop for Instance {
         if self.library.is_dead() {
             return;
         }
-        self.note.enter(self.note.tick(), self.index, Doing::Call(Call::FreeInstance));
+        let now = self.note.at(self.note.tick(), f64::NAN);
+        now.enter(self.index, Doing::Call(Call::FreeInstance));
         // SAFETY: the component is this library's, and nobody has it after this.
         unsafe { (self.functions.free_instance)(self.component) };
-        self.note.leave();
         self.library.instances.fetch_sub(1, Ordering::AcqRel);
     }
 }

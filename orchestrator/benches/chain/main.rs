@@ -1,0 +1,108 @@
+//! What the step loop costs beside a hand-written loop through the same function pointers.
+//!
+//! `cargo bench -p orchestrator --bench chain` builds trivial units, chains them by `->` and steps the chain by both loops
+//! in turn, nothing recorded. The hand-written loop makes one set, one step and one get for each unit and tick on plain
+//! arrays. Units of the export layer are those that the limit speaks of; units in C, which check and translate nothing,
+//! show the loop's own cost at its plainest. Reported is the time of one step of one unit.
+#![expect(unsafe_code, reason = "the hand-written loop calls through raw function pointers, as it must")]
+#![expect(clippy::print_stdout, reason = "this is what a benchmark is for")]
+
+#[path = "../peer/mod.rs"]
+mod peer;
+
+use dsl::scenario::{Connection, Drive, Instance as Planned, Port, Scenario};
+use orchestrator::claims::{Claims, Standing};
+use orchestrator::step_loop::{StepLoop, Wishes, Witness};
+use orchestrator::unit::board::Board;
+use orchestrator::wiring::Wiring;
+use orchestrator::worker::{InProcess, Seating, Worker};
+use peer::table::{Row, Table, alternate};
+use peer::{STEP_NS, Unit, told};
+use std::error::Error;
+use std::time::{Duration, Instant};
+
+const BLOCKS: usize = 25;
+/// Steps of units in one block.
+const BLOCK_STEPS: u64 = 500_000;
+const LIMIT: f64 = 1.25;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let table = Table::begin("a step of a unit; the step loop, beside one by hand");
+    for ports in [1, 30] {
+        for (kind, unit) in [("exported", Unit::exported(ports)?), ("C", Unit::in_c(ports)?)] {
+            let mut of_few = None;
+            for units in [10, 1000] {
+                let ticks = BLOCK_STEPS / units as u64;
+                let row = alternate(BLOCKS, || by_loop(&unit, units, ticks), || unit.by_hand(units, ticks))?;
+                let row = row.each(BLOCK_STEPS);
+                table.row(&format!("{kind} units, {ports} in and {ports} out, chain of {units}"), row, Some(LIMIT));
+                if let Some(Row { ours_s, .. }) = of_few.replace(row) {
+                    let growth = Row { ours_s: row.ours_s, peer_s: ours_s, ratio: row.ours_s / ours_s };
+                    table.row("  a step among 1000, beside one among 10", growth, None);
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn by_loop(unit: &Unit, units: usize, ticks: u64) -> Result<Duration, Box<dyn Error>> {
+    let scenario = scenario(unit, units, ticks);
+    let wiring = Wiring::new(&scenario, &vec![&unit.description; units], &vec![0; units]);
+    let claims = Claims::new(&[], ticks, &mut |port| wiring.place(port));
+    let seatings = unit.instances(units)?.into_iter().enumerate();
+    let seatings = seatings.map(|(index, instance)| Seating { index, instance }).collect();
+    let worker: Box<dyn Worker> = Box::new(InProcess::new(&wiring, seatings, unit.board.note(0)));
+    let mut run = StepLoop::new(wiring, claims, vec![worker], Wishes::default(), Nobody { board: &unit.board });
+    let begun = Instant::now();
+    let finish = run.run();
+    let took = begun.elapsed();
+    assert_eq!(finish.map_err(told)?.last_tick, ticks, "the run of the benchmark is complete");
+    Ok(took)
+}
+
+fn scenario(unit: &Unit, units: usize, ticks: u64) -> Scenario {
+    let instance = |index| Planned {
+        name: format!("unit{index}"),
+        unit: "chain".to_owned(),
+        every: 1,
+        wave: 0,
+        presets: Vec::new(),
+    };
+    let link = |target: usize| {
+        unit.inputs.iter().zip(&unit.outputs).map(move |(&input, &output)| Connection {
+            target: Port { instance: target, variable: input },
+            source: Drive::Copy(Port { instance: target - 1, variable: output }),
+            direct: false,
+        })
+    };
+    Scenario {
+        title: "A chain".to_owned(),
+        step_ns: STEP_NS,
+        stop_tick: ticks,
+        parameters: Vec::new(),
+        instances: (0..units).map(instance).collect(),
+        initialization: Vec::new(),
+        connections: (1..units).flat_map(link).collect(),
+        events: Vec::new(),
+        rises: Vec::new(),
+        claims: Vec::new(),
+        columns: Vec::new(),
+    }
+}
+
+/// As in a run, the tick and the wish to stop stand on a board; nothing is recorded.
+struct Nobody<'a> {
+    board: &'a Board,
+}
+
+impl Witness for Nobody<'_> {
+    fn reached(&mut self, tick: u64) {
+        self.board.set_tick(tick);
+    }
+    fn stop_requested(&self) -> bool {
+        self.board.stop_requested()
+    }
+    fn row(&mut self, _: u64, _: &[u64]) {}
+    fn claim(&mut self, _: usize, _: Standing) {}
+}
