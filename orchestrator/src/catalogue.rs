@@ -113,7 +113,7 @@ fn no_file(name: &str, path: &Path) -> UnitProblem {
 
 fn archives_in(folder: &Path) -> Vec<Entry> {
     let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let archives = files.filter(|path| path.extension().is_some_and(|extension| extension == "fmu"));
+    let archives = files.filter(|path| path.is_file() && path.extension().is_some_and(|extension| extension == "fmu"));
     let mut entries: Vec<_> = archives
         .filter_map(|path| Some(Entry { name: path.file_stem()?.to_str()?.to_owned(), origin: Origin::Archive(path) }))
         .collect();

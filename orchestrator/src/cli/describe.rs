@@ -72,7 +72,7 @@ impl Describe {
                 Ok(inside) => inside.display().to_string(),
                 Err(_) => origin.display().to_string(),
             };
-            let _ = writeln!(text, "{:<24}{origin:<28}{}", entry.name, words.unwrap_or_default());
+            let _ = writeln!(text, "{:<22}  {origin:<26}  {}", entry.name, words.unwrap_or_default());
         }
         if text.is_empty() {
             let help = "run it in a workspace with units, or name a folder of .fmu files: --units DIR".to_owned();
