@@ -316,8 +316,6 @@ pub struct Claim {
     pub line: usize,
     /// What must hold at tick 0.
     pub formula: Formula,
-    /// How many ticks the formula looks ahead before anything of it can be judged.
-    pub horizon: u64,
     /// The unit that margins are told in; `None` where all margins are infinite.
     pub unit: Option<MarginUnit>,
     /// For a claim about one comparison with a constant: its limit.

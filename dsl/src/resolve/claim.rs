@@ -36,7 +36,6 @@ impl Scope<'_> {
             text: self.text(claim.span),
             line: self.line(name.span),
             formula: condition.formula(false),
-            horizon: condition.horizon(),
             unit: bounds.first().map(|(bound, _)| bound.unit.clone()),
             limit,
         })

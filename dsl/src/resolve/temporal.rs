@@ -96,16 +96,6 @@ fn in_unit_of(near: &Expression, far: &Expression) -> Expression {
 }
 
 impl Condition {
-    /// How many ticks it looks ahead before anything of it can be judged.
-    pub fn horizon(&self) -> u64 {
-        match self {
-            Self::Plain(_) | Self::Bound(_) => 0,
-            Self::Not(of) => of.horizon(),
-            Self::And(parts) | Self::Or(parts) => parts.iter().map(Self::horizon).max().unwrap_or(0),
-            Self::Temporal(claim) => claim.window.to.unwrap_or(0).saturating_add(claim.body.horizon()),
-        }
-    }
-
     /// The windows, from the outside in, that reach furthest ahead: ticks and the word a user knows them by.
     pub fn reach(&self) -> Vec<(u64, &'static str)> {
         match self {

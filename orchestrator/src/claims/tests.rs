@@ -41,15 +41,8 @@ fn defined(formula: &Formula, at: u64, trace: &[[f64; 2]], ending: Ending) -> Ou
 }
 
 fn judge(formula: &Formula, trace: &[[f64; 2]], stop_tick: u64, ending: Ending) -> (Claims, Standing) {
-    let claim = Claim {
-        name: String::new(),
-        text: String::new(),
-        line: 1,
-        formula: formula.clone(),
-        horizon: 0,
-        unit: None,
-        limit: None,
-    };
+    let claim =
+        Claim { name: String::new(), text: String::new(), line: 1, formula: formula.clone(), unit: None, limit: None };
     let mut claims = Claims::new(&[claim], stop_tick, &mut |port| Slot { base: BaseType::Real, index: port.variable });
     for (tick, sample) in (0..).zip(trace) {
         let outputs = Values { reals: sample.to_vec(), ..Values::default() };

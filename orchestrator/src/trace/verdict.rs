@@ -190,7 +190,6 @@ pub(crate) mod tests {
             text: text.to_owned(),
             line: 34,
             formula: Formula::Condition(BooleanExpression::Constant(true)),
-            horizon: 0,
             unit: unit.map(|(name, factor)| MarginUnit { name: name.to_owned(), factor }),
             limit: limit.map(|(value, upper)| Limit { value, upper }),
         }

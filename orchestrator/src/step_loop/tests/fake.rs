@@ -148,7 +148,7 @@ impl Script {
     pub fn always(mut self, body: Formula) -> Self {
         let formula = Formula::Always(TickWindow { from: 0, to: None }, Box::new(body));
         let (name, text) = (String::new(), String::new());
-        let claim = dsl::scenario::Claim { name, text, line: 1, formula, horizon: 0, unit: None, limit: None };
+        let claim = dsl::scenario::Claim { name, text, line: 1, formula, unit: None, limit: None };
         self.scenario.claims.push(claim);
         self
     }
