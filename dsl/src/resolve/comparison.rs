@@ -97,7 +97,8 @@ impl Scope<'_> {
             (_, Some(_), None) => Some(Limit { value: in_unit(left, &unit), upper: !upper }),
             _ => None,
         };
-        let scaled = limit.and_then(|_| self.scaled(sides, left.constant().is_none()));
+        let positive = limit.filter(|limit| limit.value > 0.0);
+        let scaled = positive.and_then(|_| self.scaled(sides, left.constant().is_none()));
         let margin = Margin { value, strict };
         Some(Condition::Bound(Bound { margin, measure, unit, limit, span: sides.span(), scaled }))
     }
@@ -135,7 +136,7 @@ impl Scope<'_> {
         Some(real::combine(Operator::Subtract, tolerance_value.expression, distance.expression))
     }
 
-    /// The comparison of plain numbers that E10 advises: `x / c < 1`.
+    /// The comparison of plain numbers that E10 advises, `x / c < 1`, which turns round below zero and ends there.
     fn scaled(&self, sides: &Sides<'_>, is_left: bool) -> Option<String> {
         let (of, limit) = if is_left { (sides.left, sides.right) } else { (sides.right, sides.left) };
         let is_simple = of.parenthesised || matches!(of.kind, ExpressionKind::Path(_) | ExpressionKind::Call { .. });

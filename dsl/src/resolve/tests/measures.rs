@@ -192,6 +192,14 @@ fn in_and_as_need_the_right_units() {
 }
 
 #[test]
+fn only_a_limit_above_zero_is_advised_as_a_divisor() {
+    for limit in ["0 m", "-1 m"] {
+        let told = shown(&flight(&format!("assert a: always (quad.height > {limit} and quad.roll < 35 deg)")));
+        assert!(told.contains("make two asserts") && !told.contains(&format!("/ {limit}")), "{told}");
+    }
+}
+
+#[test]
 fn margins_of_two_dimensions_do_not_mix() {
     let lines = "assert a: always (quad.height > 1 m and quad.roll < 35 deg)\nassert b: always max(quad.height, quad.roll) < 1 m";
     insta::assert_snapshot!(shown(&flight(lines)), @r#"
