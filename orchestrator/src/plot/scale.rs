@@ -1,5 +1,7 @@
 //! From values to pixels, with ticks at round numbers.
 
+use crate::report::number::short;
+
 /// A range of values laid on a range of pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
@@ -27,14 +29,18 @@ impl Scale {
     }
 }
 
-/// Smallest and largest finite value, at least a little apart; 0..1 without any.
+/// Values beyond this leave the picture: nothing could be seen beside them, and their differences may be infinite.
+const LARGEST: f64 = 1e300;
+
+/// Smallest and largest value that can be drawn, at least a little apart; 0..1 without any.
 pub(super) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
-    let finite = values.into_iter().filter(|value| value.is_finite());
-    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    let drawable = values.into_iter().filter(|value| value.abs() <= LARGEST);
+    let (low, high) = drawable.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     if low > high {
         (0.0, 1.0)
     } else if high - low < 1e-9 * (1.0 + low.abs()) {
-        (low - 0.5, high + 0.5)
+        let room = (0.1 * low.abs()).max(0.5);
+        (low - room, high + room)
     } else {
         (low, high)
     }
@@ -77,9 +83,12 @@ fn round_step(raw: f64) -> f64 {
 
 /// A tick's number as people write it.
 pub(super) fn label(value: f64) -> String {
-    let rounded = format!("{value:.6}");
-    let plain = rounded.trim_end_matches('0').trim_end_matches('.');
-    if plain == "-0" || plain.is_empty() { "0".to_owned() } else { plain.replace('-', "\u{2212}") }
+    let plain = match value.abs() {
+        0.0 => "0".to_owned(),
+        1e-3..1e9 => format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_owned(),
+        _ => short(value),
+    };
+    plain.replace('-', "\u{2212}")
 }
 
 #[cfg(test)]
@@ -94,8 +103,23 @@ mod tests {
     }
 
     #[test]
+    fn small_and_large_ticks_keep_their_digits() {
+        let labels = |low, high| ticks(low, high, 4.0).into_iter().map(label).collect::<Vec<_>>();
+        assert_eq!(labels(0.0, 3.5e-8), ["0", "1e\u{2212}8", "2e\u{2212}8", "3e\u{2212}8"]);
+        assert_eq!(labels(-2e12, 2e12)[0], "\u{2212}2000000000000");
+    }
+
+    #[test]
+    fn values_beyond_any_picture_have_no_ticks_of_their_own() {
+        let (low, high) = extent([f64::MAX, -f64::MAX, 1e300, -1e300]);
+        assert_eq!((low, high), (-1e300, 1e300));
+        assert!(!Scale::around([f64::MAX, 1.0, -f64::MAX], 0.0, 1.0).ticks(4.0).is_empty());
+    }
+
+    #[test]
     fn a_constant_has_room_around_it() {
         assert_eq!(extent([3.0, 3.0, f64::NAN]), (2.5, 3.5));
+        assert_eq!(extent([-2e20]), (-2.2e20, -1.8e20));
         assert_eq!(extent([]), (0.0, 1.0));
     }
 
