@@ -1,4 +1,5 @@
 //! What a user reads when a script, a unit's file or the command line is wrong, word for word.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -147,6 +148,9 @@ fn files_that_are_no_units_are_told_with_what_is_wrong_in_them() {
     let folder = tempfile::tempdir().unwrap();
     let description = fs::read_to_string(repository().join("tests/foreign/modelDescription.xml")).unwrap();
     let of_fmi_3 = description.replace("fmiVersion=\"2.0\"", "fmiVersion=\"3.0\"");
+    let exchange = description
+        .replace("CoSimulation", "ModelExchange")
+        .replace(" canHandleVariableCommunicationStepSize=\"true\"", "");
     let cut = &description[..description.len() / 2];
     let at = |name| folder.path().join(name);
     fs::write(at("words.fmu"), "this is no archive").unwrap();
@@ -156,8 +160,10 @@ fn files_that_are_no_units_are_told_with_what_is_wrong_in_them() {
     archive(&at("nameless.fmu"), &[("binaries/linux64/foreign.so", "")]);
     archive(&at("cut.fmu"), &[("modelDescription.xml", cut)]);
     archive(&at("newer.fmu"), &[("modelDescription.xml", &of_fmi_3)]);
+    archive(&at("elsewhere.fmu"), &[("modelDescription.xml", &description), ("binaries/win64/foreign.dll", "")]);
+    archive(&at("exchange.fmu"), &[("modelDescription.xml", &exchange)]);
     let mut told = String::new();
-    for name in ["words", "empty", "outside", "absolute", "nameless", "cut", "newer"] {
+    for name in ["words", "empty", "outside", "absolute", "nameless", "cut", "newer", "elsewhere", "exchange"] {
         fs::write(at("a.scn"), format!("{HEAD}fmu probe = \"{name}.fmu\"\n")).unwrap();
         writeln!(told, "{}", refused(folder.path(), &["run", "a.scn"])).unwrap();
     }

@@ -34,10 +34,7 @@ pub enum UnitError {
         finding: Finding,
     },
     /// The unit has no `CoSimulation` element.
-    NoCoSimulation {
-        /// The unit's folder.
-        folder: PathBuf,
-    },
+    NoCoSimulation,
     /// There is no library for this platform.
     NoBinary {
         /// The file that was looked for, relative to the unit's folder.
@@ -108,9 +105,7 @@ impl fmt::Display for UnitError {
             Self::Description { archive, finding } => {
                 write!(f, "{}: modelDescription.xml:{finding}", archive.display())
             }
-            Self::NoCoSimulation { folder } => {
-                write!(f, "{}: the unit has no CoSimulation element, only model exchange", folder.display())
-            }
+            Self::NoCoSimulation => f.write_str("the unit has no CoSimulation element, only model exchange"),
             Self::NoBinary { wanted, present } => {
                 write!(f, "the unit has no library for this platform: `{wanted}` is not there, ")?;
                 match present.as_slice() {

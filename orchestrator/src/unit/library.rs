@@ -57,16 +57,12 @@ impl Library {
         note: &Note,
         instance: usize,
     ) -> Result<Self, UnitError> {
-        let co_simulation = description
-            .co_simulation
-            .as_ref()
-            .ok_or_else(|| UnitError::NoCoSimulation { folder: folder.to_path_buf() })?;
         let folder = fs::canonicalize(folder).map_err(|error| UnitError::File {
             doing: "looking for the unit's folder",
             path: folder.to_path_buf(),
             error,
         })?;
-        let path = find(&folder, &co_simulation.model_identifier)?;
+        let path = library_path(&folder, description)?;
         offer_libm();
         let now = note.at(0, 0.0);
         now.enter(instance, Doing::Load);
@@ -85,7 +81,10 @@ impl Library {
             functions,
             guid: text(&description.guid),
             resources: text(&file_uri(&folder.join("resources"))),
-            only_once: co_simulation.can_be_instantiated_only_once_per_process,
+            only_once: description
+                .co_simulation
+                .as_ref()
+                .is_some_and(|unit| unit.can_be_instantiated_only_once_per_process),
             names: Arc::new(VariableNames::of(description)),
             instances: AtomicUsize::new(0),
             fatal: AtomicBool::new(false),
@@ -111,8 +110,13 @@ fn text(text: &str) -> CString {
     CString::new(&text[..until]).unwrap_or_default()
 }
 
-fn find(folder: &Path, identifier: &str) -> Result<PathBuf, UnitError> {
-    let file = format!("{identifier}{}", std::env::consts::DLL_SUFFIX);
+/// The library of an unpacked unit for this platform.
+///
+/// # Errors
+/// The unit is not made for co-simulation, or brings no such library.
+pub fn library_path(folder: &Path, description: &ModelDescription) -> Result<PathBuf, UnitError> {
+    let co_simulation = description.co_simulation.as_ref().ok_or(UnitError::NoCoSimulation)?;
+    let file = format!("{}{}", co_simulation.model_identifier, std::env::consts::DLL_SUFFIX);
     let candidates = PLATFORM_FOLDERS.iter().map(|platform| folder.join("binaries").join(platform).join(&file));
     candidates.into_iter().find(|path| path.is_file()).ok_or_else(|| UnitError::NoBinary {
         wanted: format!("binaries/{}/{file}", PLATFORM_FOLDERS[0]),
