@@ -1,4 +1,5 @@
 //! Runs that somebody interrupts, suspends or kills, or that find their folder taken or full, end as they should.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
 //! What a run leaves behind: its files, its exit code, and what `plot` and `diff` make of them.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
