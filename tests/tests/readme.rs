@@ -50,6 +50,13 @@ fn the_first_unit_and_script_in_five_minutes_work_outside_the_repository() {
 }
 
 #[test]
+fn no_line_of_the_readme_waits_for_its_text() {
+    let readme = fs::read_to_string(repository().join("README.md")).unwrap();
+    let waits = |line: &&str| line.len() > 2 && line.chars().all(|letter| letter.is_ascii_uppercase());
+    assert_eq!(readme.lines().filter(waits).collect::<Vec<_>>(), Vec::<&str>::new());
+}
+
+#[test]
 fn the_first_script_to_read_is_the_one_that_the_tests_run() {
     let script = fs::read_to_string(repository().join("scenarios/breeze.scn")).unwrap();
     assert_eq!(block("The first script to read", "scn"), script);
