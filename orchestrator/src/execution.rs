@@ -9,7 +9,7 @@ use crate::report::table::{Ending, Heading};
 use crate::supervise::{Ended, Orders, SuperviseError, supervise};
 use crate::trace::csv::TraceFile;
 use crate::trace::run_folder::{RunFolder, SIGNALS_JSON, TRACE_CSV, VERDICT_JSON};
-use crate::trace::run_record::{Broken, RunState};
+use crate::trace::run_record::{Broken, RunRecord, RunState};
 use crate::trace::verdict::{Verdict, reason_text};
 use crate::trace::{TraceError, signals};
 use crate::wiring::seconds;
@@ -52,38 +52,57 @@ impl Outcome {
     }
 }
 
-/// Runs to the end. What broke, if something did, is told.
+/// Runs to the end. What broke, if something did, is told; `run.json` says it too, whatever else could not be written.
 ///
 /// # Errors
 /// If the run could not be looked after, or its files not be written.
 pub fn carry_out(ready: Preparation, manner: Manner) -> Result<Outcome, SuperviseError> {
     let Preparation { plan, mut record, mut folder, home: _home, script } = ready;
-    let trace = begin_trace(&folder, &plan).map_err(SuperviseError::Trace);
-    let program = std::env::current_exe();
-    let mut console = Console::stderr(manner.style);
-    let step_timeout = (!manner.step_timeout.is_zero()).then_some(manner.step_timeout);
-    let ended = trace.and_then(|trace| {
-        let program = program.map_err(|error| SuperviseError::Start { doing: "find this program", error })?;
-        supervise(&Orders { plan: &plan, program, step_timeout }, trace, &mut console)
-    });
-    let ended = ended.inspect_err(|error| {
-        record.state = RunState::Broken;
-        record.broken = Some(Broken { instance: None, call: None, time_s: None, message: error.to_string() });
-        // The error itself says more than one about the record.
-        let _ = folder.note(&record);
-    })?;
-    let file_name = script.rsplit('/').next().unwrap_or(&script);
-    let end = end_text(&ended, &plan.scenario);
-    let verdict = Verdict::new(&plan.scenario, file_name, ended.last_tick, end, &ended.findings);
-    folder.write(VERDICT_JSON, &verdict.json()).map_err(SuperviseError::Trace)?;
-    record.end(run_state(&ended), verdict.time_s, ended.wall);
-    record.broken = ended.failure.as_ref().map(Broken::from);
-    folder.note(&record).map_err(SuperviseError::Trace)?;
+    let ended = look_after(&plan, &folder, manner).inspect_err(|error| note_break(&mut folder, &mut record, error))?;
     if let Some(failure) = &ended.failure {
         report::error(failure, failure.help().as_deref());
     }
+    let file_name = script.rsplit('/').next().unwrap_or(&script);
+    let end = end_text(&ended, &plan.scenario);
+    let verdict = Verdict::new(&plan.scenario, file_name, ended.last_tick, end, &ended.findings);
+    record.end(run_state(&ended), verdict.time_s, ended.wall);
+    record.broken = ended.failure.as_ref().map(Broken::from);
+    leave(&mut folder, &mut record, &verdict).map_err(SuperviseError::Trace)?;
     let stop_s = seconds(plan.scenario.stop_tick, plan.scenario.step_ns);
     Ok(Outcome { ended, verdict, folder, script, stop_s })
+}
+
+fn look_after(plan: &Plan, folder: &RunFolder, manner: Manner) -> Result<Ended, SuperviseError> {
+    let program = std::env::current_exe();
+    let program = program.map_err(|error| SuperviseError::Start { doing: "find this program", error })?;
+    let trace = begin_trace(folder, plan).map_err(SuperviseError::Trace)?;
+    let step_timeout = (!manner.step_timeout.is_zero()).then_some(manner.step_timeout);
+    supervise(&Orders { plan, program, step_timeout }, trace, &mut Console::stderr(manner.style))
+}
+
+/// Notes, and tells as far as the caller will not, what broke a run that left no results.
+fn note_break(folder: &mut RunFolder, record: &mut RunRecord, error: &SuperviseError) {
+    record.broken = Some(match error {
+        SuperviseError::Broken { failure, .. } => {
+            report::error(failure, failure.help().as_deref());
+            Broken::from(failure)
+        }
+        SuperviseError::Start { .. } | SuperviseError::Trace(_) => Broken::outside_of_calls(error),
+    });
+    record.state = RunState::Broken;
+    // The error itself says more than one about the record.
+    let _ = folder.note(record);
+}
+
+/// Writes what there is to say about a run that is over; one whose verdict cannot be written is broken.
+fn leave(folder: &mut RunFolder, record: &mut RunRecord, verdict: &Verdict) -> Result<(), TraceError> {
+    let written = folder.write(VERDICT_JSON, &verdict.json());
+    if let Err(error) = &written {
+        record.state = RunState::Broken;
+        record.broken.get_or_insert_with(|| Broken::outside_of_calls(error));
+    }
+    let noted = folder.note(record);
+    written.and(noted)
 }
 
 /// The file of rows, and what its columns are; nothing with `--record none`.
@@ -111,5 +130,57 @@ fn end_text(ended: &Ended, scenario: &dsl::scenario::Scenario) -> String {
         (Some(failure), _) => format!("broken: {failure}"),
         (None, Some(finish)) => reason_text(&finish.reason, scenario),
         (None, None) => reason_text(&Reason::Interrupted, scenario),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::failure::{Cause, Doing, Failure};
+    use crate::trace::run_record::tests::record;
+    use crate::trace::verdict::tests::scenario;
+    use std::path::Path;
+
+    fn failure() -> Failure {
+        Failure { instance: Some("quad".to_owned()), doing: Doing::Load, time_s: Some(12.34), cause: Cause::Signal(11) }
+    }
+
+    fn refusal() -> TraceError {
+        TraceError::io("write", Path::new("trace.csv.partial"))(std::io::ErrorKind::StorageFull.into())
+    }
+
+    fn noted(folder: &RunFolder) -> (String, String) {
+        let text = std::fs::read_to_string(folder.path().join("run.json")).unwrap();
+        let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let text_of = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
+        (text_of(&value["state"]), text_of(&value["broken"]["message"]))
+    }
+
+    #[test]
+    fn a_verdict_that_cannot_be_written_breaks_the_run_but_hides_no_earlier_break() {
+        for (state, earlier) in [(RunState::Finished, None), (RunState::Broken, Some(failure()))] {
+            let home = tempfile::tempdir().unwrap();
+            let mut record = record();
+            let mut folder = RunFolder::claim(home.path(), &record).unwrap();
+            std::fs::create_dir(home.path().join("verdict.json.partial")).unwrap();
+            record.end(state, 1.0, Duration::from_secs(1));
+            record.broken = earlier.as_ref().map(Broken::from);
+            let verdict = Verdict::new(&scenario(), "a.scn", 10, "the end".to_owned(), &[]);
+            let error = leave(&mut folder, &mut record, &verdict).unwrap_err();
+            let message = earlier.map_or(error.to_string(), |failure| failure.to_string());
+            assert_eq!(noted(&folder), ("broken".to_owned(), message));
+        }
+    }
+
+    #[test]
+    fn a_trace_that_cannot_be_written_breaks_the_run_but_hides_no_earlier_break() {
+        for earlier in [None, Some(failure())] {
+            let home = tempfile::tempdir().unwrap();
+            let mut record = record();
+            let mut folder = RunFolder::claim(home.path(), &record).unwrap();
+            note_break(&mut folder, &mut record, &SuperviseError::unwritten(earlier.clone(), refusal()));
+            let message = earlier.map_or(refusal().to_string(), |failure| failure.to_string());
+            assert_eq!(noted(&folder), ("broken".to_owned(), message));
+        }
     }
 }

@@ -78,13 +78,31 @@ pub enum SuperviseError {
     },
     /// The results could not be written.
     Trace(TraceError),
+    /// The results could not be written of a run that had broken before.
+    Broken {
+        /// What broke it.
+        failure: Failure,
+        /// Why there are no results.
+        error: TraceError,
+    },
+}
+
+impl SuperviseError {
+    /// The results could not be written; what broke the run before is kept.
+    #[must_use]
+    pub fn unwritten(failure: Option<Failure>, error: TraceError) -> Self {
+        match failure {
+            Some(failure) => Self::Broken { failure, error },
+            None => Self::Trace(error),
+        }
+    }
 }
 
 impl fmt::Display for SuperviseError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Start { doing, error } => write!(f, "cannot {doing}: {error}"),
-            Self::Trace(error) => error.fmt(f),
+            Self::Trace(error) | Self::Broken { error, .. } => error.fmt(f),
         }
     }
 }
@@ -116,10 +134,11 @@ pub fn supervise<W: Write>(
         // Asked before the rings are emptied: what it said before it ended is in them.
         let status = process.ended().map_err(start_error("look after the stepping process"))?;
         let began = Instant::now();
-        let busy = run.drain()?;
+        let drained = run.drain();
         if let Some(status) = status {
-            return run.conclude(status);
+            return run.conclude(status, drained.err());
         }
+        let busy = drained.map_err(|error| SuperviseError::unwritten(run.failure.take(), error))?;
         for _ in signals.pending() {
             run.interrupt(&mut process);
         }
@@ -172,7 +191,7 @@ impl<'a, W: Write> Supervision<'a, W> {
     }
 
     /// Takes everything out of the rings; says whether there was something.
-    fn drain(&mut self) -> Result<bool, SuperviseError> {
+    fn drain(&mut self) -> Result<bool, TraceError> {
         let (trace, last_row) = (&mut self.trace, &mut self.last_row);
         let mut refused = None;
         let rows = self.board.pop_rows(|tick, slots| {
@@ -194,7 +213,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             self.saved = Instant::now();
             refused = self.trace.as_mut().and_then(|trace| trace.save().err());
         }
-        refused.map_or(Ok(busy), |error| Err(SuperviseError::Trace(error)))
+        refused.map_or(Ok(busy), Err)
     }
 
     fn hear(&mut self, message: Message) {
@@ -249,8 +268,8 @@ impl<'a, W: Write> Supervision<'a, W> {
         });
     }
 
-    /// The process is gone and the rings are empty.
-    fn conclude(mut self, status: ExitStatus) -> Result<Ended, SuperviseError> {
+    /// The process is gone and the rings are empty; `refused` is why their last rows could not be written.
+    fn conclude(mut self, status: ExitStatus, refused: Option<TraceError>) -> Result<Ended, SuperviseError> {
         self.console.clear();
         let killed_by_user = self.interrupts > 1;
         if self.finish.is_none() && self.failure.is_none() && !killed_by_user {
@@ -258,8 +277,8 @@ impl<'a, W: Write> Supervision<'a, W> {
             let call = self.board.note(0).read();
             self.failure = Some(last_words::failure(call, self.board.tick(), &self.plan.scenario, cause));
         }
-        if let Some(trace) = self.trace.take() {
-            trace.finish().map_err(SuperviseError::Trace)?;
+        if let Some(error) = refused.or_else(|| self.trace.take()?.finish().err()) {
+            return Err(SuperviseError::unwritten(self.failure, error));
         }
         let ended_by_loop = self.finish.as_ref().map(|finish| finish.reason == Reason::Interrupted);
         let last_tick = match (&self.finish, self.last_row) {

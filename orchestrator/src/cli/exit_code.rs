@@ -38,7 +38,11 @@ pub(super) fn reached(
         Ok(of(outcome.ended.interrupted, outcome.ended.failure.is_some(), outcome.verdict.count()))
     });
     told.unwrap_or_else(|error| {
-        report::error(&error, if let SuperviseError::Trace(error) = &error { error.help() } else { None });
+        let help = match &error {
+            SuperviseError::Trace(error) | SuperviseError::Broken { error, .. } => error.help(),
+            SuperviseError::Start { .. } => None,
+        };
+        report::error(&error, help);
         BROKEN
     })
 }

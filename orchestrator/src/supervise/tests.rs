@@ -67,7 +67,7 @@ impl Run {
         let orders = Orders { plan: &self.plan, program: PathBuf::new(), step_timeout: None };
         let mut supervision = Supervision::new(&orders, &self.board, Some(trace), &mut console);
         supervision.drain().unwrap();
-        let ended = supervision.conclude(ExitStatus::from_raw(status)).unwrap();
+        let ended = supervision.conclude(ExitStatus::from_raw(status), None).unwrap();
         (ended, String::from_utf8(console.into_inner()).unwrap())
     }
 
@@ -122,6 +122,19 @@ fn what_the_run_says_about_its_break_counts_more_than_how_its_process_ended() {
     };
     run.say(&Message::Broken(failure.clone()));
     assert_eq!(run.concluded(DIED_OF_SIGSEGV).0.failure, Some(failure));
+}
+
+#[test]
+fn a_death_is_kept_when_the_last_rows_cannot_be_written() {
+    let run = Run::new();
+    let mut console = Console::new(Vec::new(), Style::Tenths);
+    let orders = Orders { plan: &run.plan, program: PathBuf::new(), step_timeout: None };
+    let supervision = Supervision::new(&orders, &run.board, None, &mut console);
+    let full = TraceError::io("write", Path::new("trace.csv"))(io::ErrorKind::StorageFull.into());
+    let error = supervision.conclude(ExitStatus::from_raw(DIED_OF_SIGSEGV), Some(full)).unwrap_err();
+    let SuperviseError::Broken { failure, .. } = &error else { panic!("{error:?}") };
+    assert_eq!(failure.cause, Cause::Signal(11));
+    assert!(error.to_string().starts_with("cannot write trace.csv: "), "{error}");
 }
 
 #[test]

@@ -103,6 +103,14 @@ impl RunRecord {
     }
 }
 
+impl Broken {
+    /// Something broke that has to do with no unit.
+    #[must_use]
+    pub fn outside_of_calls(message: &impl std::fmt::Display) -> Self {
+        Self { instance: None, call: None, time_s: None, message: message.to_string() }
+    }
+}
+
 impl From<&Failure> for Broken {
     fn from(failure: &Failure) -> Self {
         use crate::failure::Doing;
