@@ -1,7 +1,8 @@
 //! `trace.csv`: rows of slots as text, fast enough to record everything.
 //!
-//! One buffer is filled and written in large pieces. A slot whose bits did not change keeps the text it had, so that
-//! what stands still costs a copy. The file is whole after each piece: every piece ends with a row.
+//! One buffer is filled and written in large pieces. Texts of numbers are remembered: what stands still costs a copy, and
+//! so does an input that shows what an output showed before. The file is whole after each piece: every piece ends with a
+//! row.
 
 use super::TraceError;
 use crate::wiring::seconds;
@@ -27,17 +28,11 @@ pub struct CsvColumn {
 pub struct CsvWriter<W: Write> {
     out: W,
     step_ns: u64,
-    cells: Vec<Cell>,
+    types: Vec<BaseType>,
+    texts: Texts,
+    /// Long enough for a piece and a row; what is not yet written ends at `filled`.
     buffer: Vec<u8>,
-}
-
-/// The last slot of a column with its text; before the first row a zero, which all types write alike.
-#[derive(Debug)]
-struct Cell {
-    base_type: BaseType,
-    slot: u64,
-    text: [u8; LONGEST],
-    length: usize,
+    filled: usize,
 }
 
 impl<W: Write> CsvWriter<W> {
@@ -50,10 +45,11 @@ impl<W: Write> CsvWriter<W> {
         }
         header.push('\n');
         let mut buffer = header.into_bytes();
-        let widest_row = (columns.len() + 1) * (LONGEST + 1);
-        buffer.reserve(PIECE + widest_row);
-        let cells = columns.iter().map(|column| Cell::new(column.base_type)).collect();
-        Self { out, step_ns, cells, buffer }
+        let filled = buffer.len();
+        let widest_row = (columns.len() + 1) * (LONGEST + 1) + 1;
+        buffer.resize(filled.max(PIECE) + widest_row, 0);
+        let types = columns.iter().map(|column| column.base_type).collect();
+        Self { out, step_ns, types, texts: Texts::new(4 * columns.len()), buffer, filled }
     }
 
     /// Adds the row of a tick: one slot for each column, the bits of a Real, else the number widened.
@@ -61,15 +57,17 @@ impl<W: Write> CsvWriter<W> {
     /// # Errors
     /// What the writer says.
     pub fn row(&mut self, tick: u64, slots: &[u64]) -> io::Result<()> {
-        assert_eq!(slots.len(), self.cells.len(), "a row has one slot for each column");
-        let mut digits = zmij::Buffer::new();
-        self.buffer.extend_from_slice(real_text(&mut digits, seconds(tick, self.step_ns)));
-        for (cell, &slot) in self.cells.iter_mut().zip(slots) {
-            self.buffer.push(b',');
-            cell.append(slot, &mut self.buffer);
+        assert_eq!(slots.len(), self.types.len(), "a row has one slot for each column");
+        let Self { texts, buffer, filled, .. } = self;
+        let mut place = Place { buffer, filled: *filled };
+        place.add(real_text(&mut zmij::Buffer::new(), seconds(tick, self.step_ns)));
+        for (base_type, &slot) in self.types.iter().zip(slots) {
+            place.add_byte(b',');
+            texts.append(number(*base_type, slot), &mut place);
         }
-        self.buffer.push(b'\n');
-        if self.buffer.len() >= PIECE { self.flush() } else { Ok(()) }
+        place.add_byte(b'\n');
+        *filled = place.filled;
+        if self.filled >= PIECE { self.flush() } else { Ok(()) }
     }
 
     /// Writes what is there; the file then ends with a whole row.
@@ -77,8 +75,8 @@ impl<W: Write> CsvWriter<W> {
     /// # Errors
     /// What the writer says.
     pub fn flush(&mut self) -> io::Result<()> {
-        let written = self.out.write_all(&self.buffer);
-        self.buffer.clear();
+        let written = self.out.write_all(&self.buffer[..self.filled]);
+        self.filled = 0;
         written
     }
 
@@ -92,40 +90,74 @@ impl<W: Write> CsvWriter<W> {
     }
 }
 
-impl Cell {
-    fn new(base_type: BaseType) -> Self {
-        Self { base_type, slot: 0, text: [b'0'; LONGEST], length: 1 }
+/// A slot as a number; those of Integers and Booleans read as shortest decimals of Reals do.
+fn number(base_type: BaseType, slot: u64) -> f64 {
+    match base_type {
+        BaseType::Real => f64::from_bits(slot),
+        BaseType::Integer => f64::from(slot as u32 as i32),
+        BaseType::Boolean => f64::from(u8::from(slot != 0)),
+        BaseType::String => unreachable!("the resolver admits no column of strings"),
+    }
+}
+
+/// Where the next text goes.
+struct Place<'a> {
+    buffer: &'a mut [u8],
+    filled: usize,
+}
+
+impl Place<'_> {
+    fn add_byte(&mut self, byte: u8) {
+        self.buffer[self.filled] = byte;
+        self.filled += 1;
     }
 
-    /// Adds the text of a slot.
-    fn append(&mut self, slot: u64, buffer: &mut Vec<u8>) {
-        if self.slot == slot {
-            buffer.extend_from_slice(&self.text[..self.length]);
+    fn add(&mut self, text: &[u8]) {
+        self.buffer[self.filled..self.filled + text.len()].copy_from_slice(text);
+        self.filled += text.len();
+    }
+}
+
+/// Texts of the numbers that came last, each at the one place that its bits lead to.
+#[derive(Debug)]
+struct Texts {
+    known: Vec<Known>,
+    shift: u32,
+}
+
+/// A number and its text, at first zero.
+#[derive(Clone, Debug)]
+struct Known {
+    bits: u64,
+    text: [u8; LONGEST],
+    length: usize,
+}
+
+impl Texts {
+    /// Room for at least so many.
+    fn new(count: usize) -> Self {
+        let count = count.next_power_of_two().max(2);
+        let zero = Known { bits: 0, text: [b'0'; LONGEST], length: 1 };
+        Self { known: vec![zero; count], shift: u64::BITS - count.trailing_zeros() }
+    }
+
+    /// Adds the text of a number.
+    fn append(&mut self, number: f64, place: &mut Place<'_>) {
+        let bits = number.to_bits();
+        // Fibonacci hashing: the upper bits of the product depend on all bits of the number.
+        let known = &mut self.known[(bits.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> self.shift) as usize];
+        if known.bits == bits {
+            // All of it, as a copy of known length is the faster one; the next text begins where this one ends.
+            place.buffer[place.filled..place.filled + LONGEST].copy_from_slice(&known.text);
+            place.filled += known.length;
             return;
         }
-        self.slot = slot;
-        match self.base_type {
-            BaseType::Real => {
-                let mut digits = zmij::Buffer::new();
-                let text = real_text(&mut digits, f64::from_bits(slot));
-                // Not from the copy: reading what was only just stored is slow.
-                buffer.extend_from_slice(text);
-                self.text[..text.len()].copy_from_slice(text);
-                self.length = text.len();
-            }
-            BaseType::Boolean => self.append_integer(i32::from(slot != 0), buffer),
-            BaseType::Integer => self.append_integer(slot as u32 as i32, buffer),
-            BaseType::String => unreachable!("the resolver admits no column of strings"),
-        }
-    }
-
-    fn append_integer(&mut self, value: i32, buffer: &mut Vec<u8>) {
-        let mut rest = &mut self.text[..];
-        if write!(rest, "{value}").is_err() {
-            unreachable!("an integer of 32 bits has at most 11 characters");
-        }
-        self.length = LONGEST - rest.len();
-        buffer.extend_from_slice(&self.text[..self.length]);
+        let mut digits = zmij::Buffer::new();
+        let text = real_text(&mut digits, number);
+        place.add(text);
+        known.bits = bits;
+        known.text[..text.len()].copy_from_slice(text);
+        known.length = text.len();
     }
 }
 
