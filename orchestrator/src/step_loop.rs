@@ -94,19 +94,20 @@ impl<'a, W: Witness> StepLoop<'a, W> {
     fn ticks(&mut self) -> Result<Finish, Failure> {
         let mut tick = 0;
         loop {
+            let time_s = self.wiring.seconds(tick);
             self.witness.reached(tick);
             if let Some(finish) = self.gather(tick)? {
                 return Ok(finish);
             }
-            self.judge(tick);
+            self.judge(tick, time_s);
             if let Some(reason) = self.reason_to_end(tick) {
                 self.record(tick);
                 return Ok(Finish { last_tick: tick, reason });
             }
             self.take_events(tick);
-            self.drive(tick);
+            self.drive(tick, time_s);
             for wave in 0..self.wiring.waves.len() {
-                if let Some(finish) = self.step(wave, tick)? {
+                if let Some(finish) = self.step(wave, tick, time_s)? {
                     self.record(tick);
                     return Ok(finish);
                 }
@@ -117,8 +118,7 @@ impl<'a, W: Witness> StepLoop<'a, W> {
     }
 
     /// Claims take the sample of this tick.
-    fn judge(&mut self, tick: u64) {
-        let time_s = self.wiring.seconds(tick);
+    fn judge(&mut self, tick: u64, time_s: f64) {
         for (slot, condition) in self.wiring.rises.iter_mut().enumerate() {
             let holds = condition.holds(&Moment { outputs: &self.visible, time_s, rises: &self.rises });
             self.rises[slot] = holds && !std::mem::replace(&mut self.held[slot], holds);
@@ -148,8 +148,7 @@ impl<'a, W: Witness> StepLoop<'a, W> {
     }
 
     /// `->` brings what is visible to whoever steps now.
-    fn drive(&mut self, tick: u64) {
-        let time_s = self.wiring.seconds(tick);
+    fn drive(&mut self, tick: u64, time_s: f64) {
         let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
         for (group, feed) in self.wiring.groups.iter().zip(&mut self.wiring.delayed) {
             if group.is_due(tick) {
@@ -159,8 +158,7 @@ impl<'a, W: Witness> StepLoop<'a, W> {
     }
 
     /// A wave: all orders go out before the first reply is awaited. A finish means that this tick is the last.
-    fn step(&mut self, wave: usize, tick: u64) -> Result<Option<Finish>, Failure> {
-        let time_s = self.wiring.seconds(tick);
+    fn step(&mut self, wave: usize, tick: u64, time_s: f64) -> Result<Option<Finish>, Failure> {
         let groups = self.wiring.waves[wave].clone();
         for group in groups.clone().filter(|&group| self.wiring.groups[group].is_due(tick)) {
             let latest = Moment { outputs: &self.latest, time_s, rises: &self.rises };

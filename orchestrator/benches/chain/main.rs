@@ -21,9 +21,9 @@ use peer::{STEP_NS, Unit, told};
 use std::error::Error;
 use std::time::{Duration, Instant};
 
-const BLOCKS: usize = 25;
+const BLOCKS: usize = 151;
 /// Steps of units in one block.
-const BLOCK_STEPS: u64 = 500_000;
+const BLOCK_STEPS: u64 = 100_000;
 const LIMIT: f64 = 1.25;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -33,12 +33,13 @@ fn main() -> Result<(), Box<dyn Error>> {
             let mut of_few = None;
             for units in [10, 1000] {
                 let ticks = BLOCK_STEPS / units as u64;
-                let row = alternate(BLOCKS, || by_loop(&unit, units, ticks), || unit.by_hand(units, ticks))?;
-                let row = row.each(BLOCK_STEPS);
-                table.row(&format!("{kind} units, {ports} in and {ports} out, chain of {units}"), row, Some(LIMIT));
-                if let Some(Row { ours_s, .. }) = of_few.replace(row) {
-                    let growth = Row { ours_s: row.ours_s, peer_s: ours_s, ratio: row.ours_s / ours_s };
-                    table.row("  a step among 1000, beside one among 10", growth, None);
+                let name = format!("{kind} units, {ports} in and {ports} out, chain of {units}");
+                let measure = || alternate(BLOCKS, || by_loop(&unit, units, ticks), || unit.by_hand(units, ticks));
+                let row = table.row(&name, Some(LIMIT), || Ok(measure()?.each(BLOCK_STEPS)))?;
+                let Some(Row { ours_s, .. }) = row else { continue };
+                if let Some(peer_s) = of_few.replace(ours_s) {
+                    let name = format!("{kind} units, {ports} in and {ports} out, one of 1000 beside one of 10");
+                    table.row(&name, None, || Ok(Row { ours_s, peer_s, ratio: ours_s / peer_s }))?;
                 }
             }
         }

@@ -41,20 +41,34 @@ pub fn alternate(
     Ok(Row { ours_s, peer_s, ratio: median(&|pair| pair.0 / pair.1) })
 }
 
-/// Rows under one heading, printed as they come.
-pub struct Table;
+/// Rows under one heading, printed as they come: those whose name holds the word that follows `--` on the command line.
+pub struct Table {
+    word: String,
+}
 
 impl Table {
     /// Prints the heading.
     pub fn begin(title: &str) -> Self {
         println!("{title:<58} {:>10} {:>10} {:>7} {:>6}", "ours", "peer", "ratio", "limit");
-        Self
+        // cargo adds options of its own.
+        let word = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+        Self { word: word.unwrap_or_default() }
     }
 
-    /// Prints a row; a limit is what the ratio may be at most.
-    pub fn row(&self, name: &str, Row { ours_s, peer_s, ratio }: Row, limit: Option<f64>) {
+    /// Measures and prints a row, if it is wanted; a limit is what the ratio may be at most.
+    pub fn row(
+        &self,
+        name: &str,
+        limit: Option<f64>,
+        measure: impl FnOnce() -> Result<Row, Box<dyn Error>>,
+    ) -> Result<Option<Row>, Box<dyn Error>> {
+        if !name.contains(&self.word) {
+            return Ok(None);
+        }
+        let row = measure()?;
         let limit = limit.map_or_else(String::new, |limit| limit.to_string());
-        println!("{name:<58} {:>10} {:>10} {ratio:>7.3} {limit:>6}", text(ours_s), text(peer_s));
+        println!("{name:<58} {:>10} {:>10} {:>7.3} {limit:>6}", text(row.ours_s), text(row.peer_s), row.ratio);
+        Ok(Some(row))
     }
 }
 

@@ -64,7 +64,7 @@ struct Call {
 #[derive(Debug, Default)]
 struct Team {
     seats: Range<usize>,
-    every: u64,
+    step_s: f64,
     lost: Option<Lost>,
     terminated: Vec<Terminated>,
 }
@@ -88,7 +88,8 @@ impl InProcess {
                     seats.push(Seat { instance, inputs, outputs, index, failed: false });
                 }
             }
-            Team { seats: first..seats.len(), every: group.every, lost: None, terminated: Vec::new() }
+            let step_s = seconds(group.every, wiring.step_ns);
+            Team { seats: first..seats.len(), step_s, lost: None, terminated: Vec::new() }
         };
         let teams = wiring.groups.iter().map(&mut team).collect();
         Self { note, step_ns: wiring.step_ns, seats, teams }
@@ -129,9 +130,8 @@ impl Worker for InProcess {
     fn order(&mut self, order: &Order<'_>) -> Result<Ticket, Lost> {
         let now = self.note.at(order.tick, seconds(order.tick, self.step_ns));
         let team = &mut self.teams[order.group];
-        let step_s = seconds(team.every, self.step_ns);
         for seat in &mut self.seats[team.seats.clone()] {
-            match seat.set(&now, order.inputs).and_then(|()| seat.instance.do_step(&now, step_s)) {
+            match seat.set(&now, order.inputs).and_then(|()| seat.instance.do_step(&now, team.step_s)) {
                 Ok(StepResult::Done) => {}
                 Ok(StepResult::Terminated { last_successful_time_s }) => {
                     team.terminated.push(Terminated { instance: seat.index, last_successful_time_s });
