@@ -3,6 +3,7 @@
 //! - [`c`]: the C types of the three header files, and the status values.
 //! - [`calls`]: which call is allowed in which state, as one table.
 //! - [`description`]: `modelDescription.xml` as a data structure, with a reader, a writer and a checker.
+//! - [`platform`]: where an archive keeps the libraries of this platform.
 //! - [`units`]: units of measure as exponents of the SI base units, factor and offset.
 //!
 //! Next on the walk of a number: `dsl/src/resolve`, which looks names up in the [`description`].
@@ -11,4 +12,5 @@
 pub mod c;
 pub mod calls;
 pub mod description;
+pub mod platform;
 pub mod units;

@@ -6,18 +6,6 @@ use std::io::{Cursor, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 
-/// The platform folder of FMI 2.0 for the machine that builds.
-fn platform() -> Option<&'static str> {
-    match (std::env::consts::OS, std::env::consts::ARCH) {
-        ("linux", "x86_64") => Some("linux64"),
-        ("linux", "aarch64") => Some("aarch64-linux"),
-        ("macos", "x86_64") => Some("darwin64"),
-        ("macos", "aarch64") => Some("aarch64-darwin"),
-        ("windows", "x86_64") => Some("win64"),
-        _ => None,
-    }
-}
-
 /// Writes the archive of a unit; a file appears only when it is whole.
 pub(crate) fn write(unit: &UnitCrate, library: &Path, xml: &str, archive: &Path) -> Result<(), PackError> {
     check(unit, xml)?;
@@ -54,7 +42,7 @@ fn check(unit: &UnitCrate, xml: &str) -> Result<(), PackError> {
 }
 
 fn entries(unit: &UnitCrate, library: &Path, xml: &str) -> Result<BTreeMap<String, Vec<u8>>, PackError> {
-    let platform = platform().ok_or_else(|| PackError::Archive {
+    let platform = fmi2::platform::FOLDERS.first().ok_or_else(|| PackError::Archive {
         unit: unit.name.clone(),
         reason: "FMI 2.0 names no folder for this platform".to_owned(),
     })?;

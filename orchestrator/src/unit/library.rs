@@ -13,21 +13,13 @@ use crate::failure::Doing;
 use fmi2::c::Str;
 use fmi2::calls::Call;
 use fmi2::description::ModelDescription;
+use fmi2::platform::FOLDERS;
 use libloading::os::unix as loader;
 use std::ffi::{CStr, CString};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Once};
-
-/// The folders below `binaries/` that hold libraries for this platform, the standard's name first.
-pub(super) const PLATFORM_FOLDERS: &[&str] = if cfg!(target_os = "macos") {
-    if cfg!(target_arch = "aarch64") { &["aarch64-darwin", "darwin64"] } else { &["darwin64", "x86_64-darwin"] }
-} else if cfg!(target_arch = "x86_64") {
-    &["linux64", "x86_64-linux"]
-} else {
-    &["aarch64-linux"]
-};
 
 /// A loaded unit. It stays loaded until the process ends: units leave threads and exit handlers behind, which must not
 /// find their code gone.
@@ -117,9 +109,9 @@ fn text(text: &str) -> CString {
 pub fn library_path(folder: &Path, description: &ModelDescription) -> Result<PathBuf, UnitError> {
     let co_simulation = description.co_simulation.as_ref().ok_or(UnitError::NoCoSimulation)?;
     let file = format!("{}{}", co_simulation.model_identifier, std::env::consts::DLL_SUFFIX);
-    let candidates = PLATFORM_FOLDERS.iter().map(|platform| folder.join("binaries").join(platform).join(&file));
+    let candidates = FOLDERS.iter().map(|platform| folder.join("binaries").join(platform).join(&file));
     candidates.into_iter().find(|path| path.is_file()).ok_or_else(|| UnitError::NoBinary {
-        wanted: format!("binaries/{}/{file}", PLATFORM_FOLDERS[0]),
+        wanted: format!("binaries/{}/{file}", FOLDERS[0]),
         present: present_libraries(folder),
     })
 }

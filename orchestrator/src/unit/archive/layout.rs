@@ -1,7 +1,7 @@
 //! Where the files of a unit belong (section 2.3 of the standard), judged by their names.
 
-use crate::unit::library::PLATFORM_FOLDERS;
 use fmi2::description::{Finding, Position, Severity};
+use fmi2::platform::FOLDERS;
 use std::collections::{BTreeMap, BTreeSet};
 
 const RULE: &str = "2.3";
@@ -35,9 +35,9 @@ pub(super) fn check(files: &[&str], identifier: &str) -> Vec<Finding> {
     }
     if platforms.is_empty() && !roots.contains("sources") {
         findings.push(finding(Severity::Error, "neither `binaries/` nor `sources/` hold anything".to_owned()));
-    } else if !PLATFORM_FOLDERS.iter().any(|here| platforms.contains_key(here)) {
+    } else if !FOLDERS.iter().any(|here| platforms.contains_key(here)) {
         let present: Vec<_> = platforms.keys().copied().collect();
-        let text = format!("nothing for this platform, `{}`; there is: {}", PLATFORM_FOLDERS[0], listed(&present));
+        let text = format!("nothing for this platform, `{}`; there is: {}", FOLDERS[0], listed(&present));
         findings.push(finding(Severity::Warning, text));
     }
     findings
@@ -83,7 +83,7 @@ fn a_library_is_called_as_its_platform_calls_libraries() {
 fn a_unit_of_sources_alone_is_sound_but_does_not_run_here() {
     let findings = check(&["modelDescription.xml", "sources/a.c"], "a");
     let texts: Vec<_> = findings.iter().map(|finding| (finding.severity, finding.message.as_str())).collect();
-    let expected = format!("nothing for this platform, `{}`; there is: sources only", PLATFORM_FOLDERS[0]);
+    let expected = format!("nothing for this platform, `{}`; there is: sources only", FOLDERS[0]);
     assert_eq!(texts, [(Severity::Warning, expected.as_str())]);
 }
 
