@@ -242,8 +242,12 @@ impl<'a> Walk<'a> {
     }
 
     fn indices(&mut self, pair: Pair<'_, Rule>) -> Vec<Expression> {
-        let index = pair.into_inner().filter(|part| part.as_rule() == Rule::expr);
-        index.map(|part| self.expression(part)).collect()
+        let (stars, index): (Vec<_>, Vec<_>) = pair.into_inner().partition(|part| part.as_rule() == Rule::star);
+        for star in stars {
+            let message = "`*` as an index is not known to this version of lockstep yet";
+            self.diagnostics.push(Diagnostic::error("E20", self.span(&star), message).help("write a number"));
+        }
+        index.into_iter().map(|part| self.expression(part)).collect()
     }
 
     /// A path, key or glob.

@@ -162,3 +162,11 @@ fn brackets_nested_too_deeply_are_one_error() {
     let deep = format!("step 5 ms\nlet a = {}1{}\nlet b 3\n", "(".repeat(300), ")".repeat(300));
     assert_eq!(messages(&deep), ["error[E00]: more than 256 brackets and operators inside each other"]);
 }
+
+#[test]
+fn a_star_declares_no_name_and_does_not_vanish_beside_an_index() {
+    let star = "error[E20]: `*` as an index is not known to this version of lockstep yet";
+    for script in ["fmu a[*] = \"wind\"", "assert b[1, *]: a.x > 0", "record a.m[*, 1]"] {
+        assert_eq!(messages(script), [star], "{script}");
+    }
+}
