@@ -12,6 +12,9 @@ use crate::syntax::{Expression, Name, TemporalWord};
 use super::measure::quantity;
 use super::real;
 
+/// A claim keeps values of so many steps at most; more would not fit into memory beside the run.
+const MOST_STEPS_AHEAD: u64 = 10_000_000;
+
 impl Scope<'_> {
     /// The claims in the script's order.
     pub fn claims(&self, stop_tick: Option<u64>) -> Vec<Claim> {
@@ -26,6 +29,8 @@ impl Scope<'_> {
         let windows = condition.reach();
         if stop_tick.is_some_and(|stop| total(&windows) > stop) {
             self.report(self.too_long(name, &windows));
+        } else if total(&windows) > MOST_STEPS_AHEAD {
+            self.report(too_far(name, total(&windows)));
         }
         let limit = match bounds.as_slice() {
             [(bound, negated)] => bound.limit.map(|limit| Limit { upper: limit.upper != *negated, ..limit }),
@@ -74,6 +79,11 @@ impl Scope<'_> {
         let error = Diagnostic::error("E09", name.span, message).label(stop, "the end");
         error.help(format!("shorten the claim or write `stop {ahead}`"))
     }
+}
+
+fn too_far(name: &Name, steps: u64) -> Diagnostic {
+    let message = format!("`{}` looks {steps} steps ahead, and at most {MOST_STEPS_AHEAD} are kept", name.word.text);
+    Diagnostic::error("E39", name.span, message).help("shorten the claim, or write a longer `step`")
 }
 
 impl Condition {

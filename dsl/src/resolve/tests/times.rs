@@ -111,6 +111,20 @@ fn a_claim_past_the_end_tells_how_far_it_looks() {
 }
 
 #[test]
+fn a_claim_that_no_memory_could_judge_is_refused() {
+    let script = flight("assert late: always (eventually within 20 s quad.landed)").replace("step 10 ms", "step 1 us");
+    insta::assert_snapshot!(shown(&script), @r"
+    error[E39]: `late` looks 20000000 steps ahead, and at most 10000000 are kept
+     --> test.scn:7:8
+      |
+    7 | assert late: always (eventually within 20 s quad.landed)
+      |        ^^^^
+      |
+      = help: shorten the claim, or write a longer `step`
+    ");
+}
+
+#[test]
 fn a_window_that_ends_before_it_begins_is_refused() {
     insta::assert_snapshot!(shown(&flight("assert a: eventually within 5..2 s quad.landed")), @r#"
     error[E38]: the window `5..2 s` ends before it begins
