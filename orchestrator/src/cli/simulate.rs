@@ -84,6 +84,10 @@ impl Simulate {
         // Not the folder of a script of the same name.
         let folder = || Path::new("runs").join(format!("{}-alone", alone.name()));
         let out = self.out.clone().unwrap_or_else(folder);
+        if let Some(output) = self.output.as_ref().filter(|output| lies_in(output, &out)) {
+            let message = format!("--output {} lies in the folder of the results", output.display());
+            return Err(Refusal::new(&message, Some("their rows are in its trace.csv anyway; name a file elsewhere")));
+        }
         preparation::prepare(script, Wanted { out, fail_fast: false, record: true, files })
     }
 
@@ -107,4 +111,23 @@ impl Simulate {
         report::result(&(heading + &next_lines(outcome.folder.path(), true)));
         Ok(())
     }
+}
+
+/// Whether a file would lie in a folder; either may not be there yet.
+fn lies_in(file: &Path, folder: &Path) -> bool {
+    let parent = file.parent().filter(|parent| *parent != Path::new("")).unwrap_or(Path::new("."));
+    let place = |path: &Path| path.canonicalize().or_else(|_| std::path::absolute(path)).ok();
+    place(parent) == place(folder)
+}
+
+#[test]
+fn a_file_lies_in_a_folder_however_both_are_spelt() {
+    let home = tempfile::tempdir().unwrap();
+    let folder = home.path().join("runs");
+    assert!(lies_in(&folder.join("trace.csv"), &folder));
+    std::fs::create_dir(&folder).unwrap();
+    std::os::unix::fs::symlink(&folder, home.path().join("link")).unwrap();
+    assert!(lies_in(&home.path().join("link/../link/trace.csv"), &home.path().join("runs/../runs")));
+    assert!(!lies_in(&home.path().join("trace.csv"), &folder));
+    assert!(lies_in(Path::new("trace.csv"), Path::new(".")));
 }
