@@ -3,6 +3,7 @@
 use crate::plot::{Selection, draw};
 use crate::report;
 use crate::trace::table::{Table, notes};
+use std::ffi::OsStr;
 use std::path::PathBuf;
 
 /// Draws paths and signals of a run as SVG.
@@ -25,6 +26,11 @@ impl Plot {
     /// Runs the command and returns its exit code.
     #[must_use]
     pub fn run(self) -> u8 {
+        if let Some(out) = self.out.as_ref().filter(|out| out.extension() != Some(OsStr::new("svg"))) {
+            let message = format!("--out {} is no name of a picture", out.display());
+            report::error(&message, Some("pictures are SVG: let it end in .svg"));
+            return 2;
+        }
         let table = match Table::read(&self.run) {
             Ok(table) => table,
             Err(error) => {
