@@ -41,6 +41,26 @@ pub enum TableError {
         /// The line, from 1.
         line: usize,
     },
+    /// The first column is not the time.
+    Timeless(PathBuf),
+    /// A cell is neither empty nor a number.
+    NoNumber {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The cell.
+        cell: String,
+    },
+    /// A time is none, or comes before that of the row above.
+    NoTime {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The cell.
+        cell: String,
+    },
 }
 
 impl fmt::Display for TableError {
@@ -49,6 +69,11 @@ impl fmt::Display for TableError {
             Self::NoTrace(path) => write!(f, "{} is neither a run's folder nor a trace.csv", path.display()),
             Self::Io(path, error) => write!(f, "cannot read {}: {error}", path.display()),
             Self::Ragged { path, line } => write!(f, "{}:{line}: not as many cells as the header", path.display()),
+            Self::Timeless(path) => write!(f, "{}:1: the first column is not `time`", path.display()),
+            Self::NoNumber { path, line, cell } => write!(f, "{}:{line}: `{cell}` is no number", path.display()),
+            Self::NoTime { path, line, cell } => {
+                write!(f, "{}:{line}: `{cell}` is no time, or before that of the row above", path.display())
+            }
         }
     }
 }
@@ -69,8 +94,8 @@ impl Table {
     /// Reads the trace of a run's folder, or a trace file.
     ///
     /// # Errors
-    /// If there is none, it cannot be read, or a row does not fit the header. A last line without its line break, which
-    /// a run that broke may leave, is dropped.
+    /// If there is none, it cannot be read, a row does not fit the header, a cell is no number, or time falls. A last
+    /// line without its line break, which a run that broke may leave, is dropped.
     pub fn read(run: &Path) -> Result<Self, TableError> {
         let path = trace_file(run)?;
         let text = std::fs::read_to_string(&path).map_err(|error| TableError::Io(path.clone(), error))?;
@@ -81,11 +106,35 @@ impl Table {
         if let Some(row) = rows.iter().position(|row| row.len() != names.len()) {
             return Err(TableError::Ragged { path, line: row + 2 });
         }
+        if names.first().is_none_or(|name| name != "time") {
+            return Err(TableError::Timeless(path));
+        }
         let partial = path.extension().is_some_and(|extension| extension == "partial");
-        Ok(Self { names, rows, partial })
+        let table = Self { names, rows, partial };
+        table.check_numbers(&path)?;
+        Ok(table)
     }
 
-    /// A column as numbers; a cell that is none, or empty, is NaN.
+    fn check_numbers(&self, path: &Path) -> Result<(), TableError> {
+        let mut last_s = f64::NEG_INFINITY;
+        for (row, line) in self.rows.iter().zip(2..) {
+            let place = |cell: &String| (path.to_owned(), line, cell.clone());
+            if let Some(cell) = row.iter().find(|cell| !cell.is_empty() && cell.parse::<f64>().is_err()) {
+                let (path, line, cell) = place(cell);
+                return Err(TableError::NoNumber { path, line, cell });
+            }
+            match row[0].parse::<f64>() {
+                Ok(time_s) if time_s.is_finite() && time_s >= last_s => last_s = time_s,
+                _ => {
+                    let (path, line, cell) = place(&row[0]);
+                    return Err(TableError::NoTime { path, line, cell });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A column as numbers; an empty cell is NaN.
     #[must_use]
     pub fn numbers(&self, column: usize) -> Vec<f64> {
         self.rows.iter().map(|row| row[column].parse().unwrap_or(f64::NAN)).collect()
@@ -151,6 +200,22 @@ mod tests {
         let folder = folder_with("trace.csv", "time,a\n0,1\n0.1\n");
         let error = Table::read(folder.path()).unwrap_err().to_string();
         assert!(error.ends_with("trace.csv:3: not as many cells as the header"), "{error}");
+    }
+
+    #[test]
+    fn what_is_no_trace_is_named_by_its_line() {
+        for (text, words) in [
+            ("", "trace.csv:1: the first column is not `time`"),
+            ("a,time\n0,1\n", "trace.csv:1: the first column is not `time`"),
+            ("time,a\n0,1\n0.1,x\n", "trace.csv:3: `x` is no number"),
+            ("time,a\n1,1\n0,1\n", "trace.csv:3: `0` is no time, or before that of the row above"),
+            ("time,a\n,1\n", "trace.csv:2: `` is no time, or before that of the row above"),
+            ("time,a\ninf,1\n", "trace.csv:2: `inf` is no time, or before that of the row above"),
+        ] {
+            let folder = folder_with("trace.csv", text);
+            let error = Table::read(folder.path()).unwrap_err().to_string();
+            assert!(error.ends_with(words), "{error}");
+        }
     }
 
     #[test]
