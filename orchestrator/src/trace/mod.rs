@@ -44,6 +44,7 @@ impl TraceError {
         match self {
             Self::Locked(_) => Some("wait for it, or give this run a folder of its own with --out DIR"),
             Self::Foreign(_) => Some("only a folder of an earlier run is replaced; choose another with --out DIR"),
+            Self::Io { doing: "create", .. } => Some("choose another folder with --out DIR"),
             Self::Io { .. } => None,
         }
     }
