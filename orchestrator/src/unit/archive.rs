@@ -8,6 +8,7 @@ mod layout;
 mod survey;
 
 use super::error::UnitError;
+use super::library::library_among;
 use fmi2::description::check::check;
 use fmi2::description::{Finding, ModelDescription, read};
 use sha2::{Digest, Sha256};
@@ -83,6 +84,20 @@ pub fn read_description(fmu: &Path) -> Result<(ModelDescription, Vec<Finding>), 
     description(&mut archive, &survey, fmu)
 }
 
+/// Reads the description of a unit that this platform can load, without unpacking anything.
+///
+/// # Errors
+/// The archive is broken or unsafe, holds no readable description, or no library for co-simulation on this platform.
+pub fn read_loadable(fmu: &Path) -> Result<(ModelDescription, Vec<Finding>), UnitError> {
+    let (mut archive, survey) = open(fmu)?;
+    let (description, findings) = description(&mut archive, &survey, fmu)?;
+    let files = survey.entries.iter().filter(|entry| !entry.is_folder).map(|entry| &entry.name);
+    let mut present: Vec<_> = files.filter(|name| name.starts_with("binaries/")).cloned().collect();
+    present.sort();
+    library_among(present, &description)?;
+    Ok((description, findings))
+}
+
 /// Judges an archive by every rule of the standard: where its files belong, and what its description says. Findings come
 /// in the order of their places, those about the archive first. Nothing is unpacked.
 ///
@@ -91,6 +106,9 @@ pub fn read_description(fmu: &Path) -> Result<(ModelDescription, Vec<Finding>), 
 pub fn examine(fmu: &Path) -> Result<(ModelDescription, Vec<Finding>), UnitError> {
     let (mut archive, survey) = open(fmu)?;
     let (description, mut findings) = description(&mut archive, &survey, fmu)?;
+    for entry in &survey.entries {
+        contents(&mut archive, entry, &mut io::sink()).map_err(|problem| problem.at(fmu))?;
+    }
     let files = survey.entries.iter().filter(|entry| !entry.is_folder).map(|entry| entry.name.as_str());
     if let Some(co_simulation) = &description.co_simulation {
         findings.extend(layout::check(&files.collect::<Vec<_>>(), &co_simulation.model_identifier));

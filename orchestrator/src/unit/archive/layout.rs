@@ -22,6 +22,7 @@ pub(super) fn check(files: &[&str], identifier: &str) -> Vec<Finding> {
     let mut findings = Vec::new();
     let roots: BTreeSet<_> = files.iter().map(|name| name.split('/').next().unwrap_or(name)).collect();
     for root in roots.iter().filter(|root| !AT_ROOT.contains(root)) {
+        let root = root.escape_debug();
         let text = format!("`{root}` is none of the files and folders that belong at the root; put it into `extra/`");
         findings.push(finding(Severity::Warning, text));
     }
@@ -91,4 +92,10 @@ fn a_unit_of_sources_alone_is_sound_but_does_not_run_here() {
 fn a_unit_without_anything_to_run_is_none() {
     let findings = check(&["modelDescription.xml"], "a");
     assert_eq!(findings.iter().map(|finding| finding.severity).collect::<Vec<_>>(), [Severity::Error]);
+}
+
+#[test]
+fn a_name_cannot_command_the_terminal_that_shows_it() {
+    let findings = check(&["\x1b[2J/a\nb", "sources/a.c"], "a");
+    assert!(findings[0].message.starts_with(r"`\u{1b}[2J` is none"), "{}", findings[0].message);
 }

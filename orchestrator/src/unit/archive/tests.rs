@@ -172,6 +172,7 @@ fn nothing_stays_of_an_archive_that_cannot_be_unpacked() {
     let text = unpack(&fmu, &into).unwrap_err().to_string();
     assert!(text.contains("a.fmu: entry `b` cannot be read: "), "{text}");
     assert!(!into.exists());
+    assert_eq!(examine(&fmu).unwrap_err().to_string(), text);
     assert_eq!(read_description(&fmu).unwrap().0.guid, "b");
 }
 
