@@ -15,8 +15,10 @@ pub struct Plan {
     /// For each instance of the scenario the index of its unit.
     pub unit_of: Vec<usize>,
     /// The folder that `file("…")` is relative to, the script's.
+    #[serde(with = "path_bytes")]
     pub folder: PathBuf,
     /// The board's file.
+    #[serde(with = "path_bytes")]
     pub board: PathBuf,
     /// End as soon as a claim is lost.
     pub fail_fast: bool,
@@ -30,7 +32,33 @@ pub struct PlannedUnit {
     /// What messages call it: the path or name as the script wrote it.
     pub name: String,
     /// Its folder: `modelDescription.xml`, `binaries/`, `resources/`.
+    #[serde(with = "path_bytes")]
     pub folder: PathBuf,
     /// What its `modelDescription.xml` says.
     pub description: ModelDescription,
+}
+
+/// Paths as the bytes that they are: not every path is UTF-8.
+mod path_bytes {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::ffi::OsString;
+    use std::os::unix::ffi::{OsStrExt, OsStringExt};
+    use std::path::{Path, PathBuf};
+
+    pub fn serialize<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+        path.as_os_str().as_bytes().serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<PathBuf, D::Error> {
+        Vec::deserialize(deserializer).map(|bytes| OsString::from_vec(bytes).into())
+    }
+}
+
+#[test]
+fn a_path_that_is_no_utf_8_comes_through() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = PathBuf::from(std::ffi::OsStr::from_bytes(b"/tmp/caf\xe9"));
+    let unit = PlannedUnit { name: "a".to_owned(), folder, description: ModelDescription::default() };
+    let read: PlannedUnit = postcard::from_bytes(&postcard::to_stdvec(&unit).unwrap()).unwrap();
+    assert_eq!(read.folder, unit.folder);
 }
