@@ -7,7 +7,6 @@ use crate::script::Script;
 use crate::trace::run_folder::RunFolder;
 use crate::trace::run_record::{HashedFile, Host, RunRecord, RunState, now, sha256};
 use crate::unit::archive::unpack;
-use crate::unit::library::library_path;
 use dsl::scenario::{Scenario, Value};
 use fmi2::description::{Finding, Severity};
 use std::io::IsTerminal;
@@ -118,8 +117,6 @@ fn unpack_all(script: &Script, home: &Path) -> Result<(Vec<PlannedUnit>, Vec<Has
         for line in finding_lines(&unit.name, &unit.archive, &unit.findings) {
             status(&line);
         }
-        library_path(&unpacked.folder, &unpacked.description)
-            .map_err(|error| Refusal::new(&format!("unit `{}`: {error}", unit.name), None))?;
         hashes.push(HashedFile { name: unit.name.clone(), sha256: unpacked.sha256 });
         units.push(PlannedUnit { name: unit.name.clone(), folder: unpacked.folder, description: unpacked.description });
     }

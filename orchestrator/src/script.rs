@@ -3,14 +3,14 @@
 //! `check` and `run` read scripts through here, so that both find the same errors.
 
 use crate::catalogue::Catalogue;
-use crate::unit::archive::read_description;
+use crate::unit::archive::read_loadable;
 use crate::unit::error::UnitError;
 use dsl::diagnostic::{Diagnostic, Severity, render};
 use dsl::parse::{parse, parse_assignment};
 use dsl::resolve::{Request, UnitProblem, Units, resolve, units};
 use dsl::scenario::Scenario;
 use dsl::source::Sources;
-use dsl::syntax::{Binding, File};
+use dsl::syntax::{Binding, File, Instance, StatementKind};
 use fmi2::description::check::check;
 use fmi2::description::{Finding, ModelDescription};
 use std::io;
@@ -112,6 +112,36 @@ impl Script {
         let resolved = resolve(&Request { sources: &self.sources, file, units: &known, settings });
         self.diagnostics = resolved.diagnostics;
         self.scenario = resolved.scenario;
+        let needs = self.needs_of_units(file);
+        if !needs.is_empty() {
+            self.diagnostics.extend(needs);
+            self.diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span));
+            if self.has_errors() {
+                self.scenario = None;
+            }
+        }
+    }
+
+    /// What the libraries of units ask of the process that loads them.
+    fn needs_of_units(&self, file: &File) -> Vec<Diagnostic> {
+        let mut needs = Vec::new();
+        for unit in &self.units {
+            let Some(library) = &unit.description.co_simulation else { continue };
+            let mut instances = file.statements.iter().filter_map(|statement| match &statement.kind {
+                StatementKind::Fmu(instance) if instance.unit.text == unit.name => Some(instance),
+                _ => None,
+            });
+            let Some(first) = instances.next() else { continue };
+            if library.needs_execution_tool {
+                let message = format!("unit `{}` says that it needs another program to run", unit.name);
+                let warning = Diagnostic::warning("W05", first.unit.span, message);
+                needs.push(warning.help("make sure that the program it was exported from is installed"));
+            }
+            if library.can_be_instantiated_only_once_per_process {
+                needs.extend(instances.map(|again| only_once(&unit.name, first, again)));
+            }
+        }
+        needs
     }
 
     /// Whether something is wrong.
@@ -127,10 +157,15 @@ impl Script {
     }
 }
 
+fn only_once(unit: &str, first: &Instance, again: &Instance) -> Diagnostic {
+    let message = format!("unit `{unit}` can be instantiated only once per process, and a run is one process");
+    Diagnostic::error("E26", again.unit.span, message).label(first.unit.span, "the first")
+}
+
 fn find(name: &str, folder: &Path, catalogue: &Catalogue) -> Result<ScriptUnit, UnitProblem> {
     let archive = catalogue.find(name, folder)?;
-    let problem = |error: UnitError| UnitProblem { message: error.to_string(), help: None };
-    let (description, mut findings) = read_description(&archive).map_err(problem)?;
+    let problem = |error: UnitError| UnitProblem { message: error.of_unit(name), help: None };
+    let (description, mut findings) = read_loadable(&archive).map_err(problem)?;
     findings.extend(check(&description));
     Ok(ScriptUnit { name: name.to_owned(), archive, description: Arc::new(description), findings })
 }

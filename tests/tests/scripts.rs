@@ -165,7 +165,23 @@ fn files_that_are_no_units_are_told_with_what_is_wrong_in_them() {
     let mut told = String::new();
     for name in ["words", "empty", "outside", "absolute", "nameless", "cut", "newer", "elsewhere", "exchange"] {
         fs::write(at("a.scn"), format!("{HEAD}fmu probe = \"{name}.fmu\"\n")).unwrap();
-        writeln!(told, "{}", refused(folder.path(), &["run", "a.scn"])).unwrap();
+        let said = refused(folder.path(), &["run", "a.scn"]);
+        let checked = run(folder.path(), &["check", "a.scn"]);
+        assert_eq!((checked.code, checked.out), (Some(2), format!("{said}\na.scn: 1 error\n")));
+        writeln!(told, "{said}").unwrap();
     }
     insta::assert_snapshot!(told);
+}
+
+#[test]
+fn what_a_library_asks_of_its_process_is_told_before_the_run() {
+    let flag = "canHandleVariableCommunicationStepSize=\"true\"";
+    let flags = format!("{flag} canBeInstantiatedOnlyOncePerProcess=\"true\" needsExecutionTool=\"true\"");
+    let (folder, _) = Foreign { description: &[(flag, &flags)], ..Foreign::default() }.build();
+    let unit = |name| format!("fmu {name} = \"foreign.fmu\"\n");
+    fs::write(folder.path().join("a.scn"), [HEAD, &unit("one"), &unit("two")].concat()).unwrap();
+    insta::assert_snapshot!(refused(folder.path(), &["run", "a.scn"]));
+    fs::write(folder.path().join("a.scn"), [HEAD, &unit("one")].concat()).unwrap();
+    let said = run(folder.path(), &["run", "a.scn"]);
+    assert_eq!((said.code, said.err.matches("warning[W05]").count()), (Some(0), 1), "{}", said.err);
 }

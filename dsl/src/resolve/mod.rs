@@ -44,6 +44,7 @@
 //! | W02 | an input without driver and start value |
 //! | W03 | two instances of one unit draw the same random numbers |
 //! | W04 | a window that opens after the end of the run |
+//! | W05 | a unit that needs another program |
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -94,6 +94,17 @@ impl Refusal {
     }
 }
 
+impl UnitError {
+    /// The sentence, with the unit's name where the error itself has none.
+    #[must_use]
+    pub fn of_unit(&self, unit: &str) -> String {
+        match self {
+            Self::NoCoSimulation | Self::NoBinary { .. } => format!("unit `{unit}`: {self}"),
+            _ => self.to_string(),
+        }
+    }
+}
+
 impl fmt::Display for UnitError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

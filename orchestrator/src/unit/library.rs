@@ -17,7 +17,7 @@ use fmi2::platform::FOLDERS;
 use libloading::os::unix as loader;
 use std::ffi::{CStr, CString};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Once};
 
@@ -54,7 +54,7 @@ impl Library {
             path: folder.to_path_buf(),
             error,
         })?;
-        let path = library_path(&folder, description)?;
+        let path = folder.join(library_among(present_libraries(&folder), description)?);
         offer_libm();
         let now = note.at(0, 0.0);
         now.enter(instance, Doing::Load);
@@ -102,18 +102,17 @@ fn text(text: &str) -> CString {
     CString::new(&text[..until]).unwrap_or_default()
 }
 
-/// The library of an unpacked unit for this platform.
+/// The library for this platform among the files below `binaries/`.
 ///
 /// # Errors
 /// The unit is not made for co-simulation, or brings no such library.
-pub fn library_path(folder: &Path, description: &ModelDescription) -> Result<PathBuf, UnitError> {
+pub(super) fn library_among(present: Vec<String>, description: &ModelDescription) -> Result<String, UnitError> {
     let co_simulation = description.co_simulation.as_ref().ok_or(UnitError::NoCoSimulation)?;
     let file = format!("{}{}", co_simulation.model_identifier, std::env::consts::DLL_SUFFIX);
-    let candidates = FOLDERS.iter().map(|platform| folder.join("binaries").join(platform).join(&file));
-    candidates.into_iter().find(|path| path.is_file()).ok_or_else(|| UnitError::NoBinary {
-        wanted: format!("binaries/{}/{file}", FOLDERS[0]),
-        present: present_libraries(folder),
-    })
+    let mut candidates = FOLDERS.iter().map(|platform| format!("binaries/{platform}/{file}"));
+    candidates
+        .find(|wanted| present.contains(wanted))
+        .ok_or_else(|| UnitError::NoBinary { wanted: format!("binaries/{}/{file}", FOLDERS[0]), present })
 }
 
 /// `linux64/other.so` and so on, sorted.

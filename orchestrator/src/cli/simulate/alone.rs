@@ -7,7 +7,8 @@ use crate::catalogue::Catalogue;
 use crate::preparation::Refusal;
 use crate::script::Script;
 use crate::trace::shortest_decimal;
-use crate::unit::archive::read_description;
+use crate::unit::archive::read_loadable;
+use crate::unit::error::UnitError;
 use dsl::scenario::{Column, Connection, Drive, InitialStep, Port, Preset, Scenario};
 use fmi2::description::{BaseType, Causality, ModelDescription};
 use std::fmt::Write;
@@ -32,7 +33,8 @@ impl Alone {
         }
         let archive = catalogue.find(unit, Path::new("."));
         let archive = archive.map_err(|problem| Refusal::new(&problem.message, problem.help.as_deref()))?;
-        let (description, _) = read_description(&archive).map_err(|error| Refusal::new(&error, None))?;
+        let named = |error: UnitError| Refusal::new(&error.of_unit(unit), None);
+        let (description, _) = read_loadable(&archive).map_err(named)?;
         Ok(Self { unit: unit.to_owned(), description })
     }
 
@@ -152,6 +154,8 @@ pub(super) mod tests {
         let mut writer = zip::ZipWriter::new(std::fs::File::create(folder.path().join("tank.fmu")).unwrap());
         writer.start_file("modelDescription.xml", SimpleFileOptions::default()).unwrap();
         writer.write_all(TANK.as_bytes()).unwrap();
+        let library = format!("binaries/{}/tank{}", fmi2::platform::FOLDERS[0], std::env::consts::DLL_SUFFIX);
+        writer.start_file(library, SimpleFileOptions::default()).unwrap();
         writer.finish().unwrap();
         let catalogue = Catalogue::new(vec![folder.path().to_owned()], folder.path(), false).unwrap();
         let alone = Alone::find("tank", &catalogue).unwrap();
