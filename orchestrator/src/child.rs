@@ -12,7 +12,7 @@ use crate::plan::Plan;
 use crate::step_loop::{StepLoop, Wishes};
 use crate::unit::board::Board;
 use crate::wiring::Wiring;
-use crate::worker::{InProcess, Worker};
+use crate::worker::{InProcess, Seating, Worker};
 use std::io::{self, Read};
 use std::sync::Arc;
 use told::Told;
@@ -49,36 +49,31 @@ pub fn read_plan(input: &mut impl Read) -> io::Result<Plan> {
         .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, format!("no plan on standard input: {error}")))
 }
 
-/// Flies a plan and tells the board everything but that it is over.
+/// Flies a plan and tells the board everything but that it is over. What broke is told before any unit is freed: it
+/// counts, whatever happens to the units afterwards.
 pub fn fly(plan: &Plan, board: &Arc<Board>) {
-    let (result, run) = match prepare(plan, board) {
-        Ok(mut run) => (run.run(), Some(run)),
-        Err(failure) => (Err(failure), None),
-    };
-    match (result, run) {
-        (Ok(finish), Some(mut run)) => match run.close() {
-            Ok(()) => tell_end(board, Ok(finish)),
-            Err(failure) => tell_end(board, Err(failure)),
-        },
-        (result, run) => {
-            // Told first: what broke counts, whatever happens to the units afterwards.
-            tell_end(board, result);
-            if let Some(mut run) = run {
-                run.close().ok();
-            }
+    let mut aboard = Vec::new();
+    if let Err(failure) = boarding::instances(plan, board, &mut aboard) {
+        return tell_end(board, Err(failure));
+    }
+    let mut run = step_loop(plan, board, aboard);
+    match run.run() {
+        Ok(finish) => tell_end(board, run.close().map(|()| finish)),
+        Err(failure) => {
+            tell_end(board, Err(failure));
+            run.close().ok();
         }
     }
 }
 
-fn prepare<'a>(plan: &'a Plan, board: &'a Arc<Board>) -> Result<StepLoop<'a, Told<'a>>, Failure> {
+fn step_loop<'a>(plan: &'a Plan, board: &'a Board, aboard: Vec<Seating>) -> StepLoop<'a, Told<'a>> {
     let scenario = &plan.scenario;
     let descriptions: Vec<_> = plan.unit_of.iter().map(|&unit| &plan.units[unit].description).collect();
     let wiring = Wiring::new(scenario, &descriptions, &vec![0; scenario.instances.len()]);
     let claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
-    let instances = boarding::instances(plan, board)?;
-    let worker: Box<dyn Worker> = Box::new(InProcess::new(&wiring, instances, board.note(0)));
+    let worker: Box<dyn Worker> = Box::new(InProcess::new(&wiring, aboard, board.note(0)));
     let wishes = Wishes { fail_fast: plan.fail_fast, record: plan.record };
-    Ok(StepLoop::new(wiring, claims, vec![worker], wishes, Told::new(board)))
+    StepLoop::new(wiring, claims, vec![worker], wishes, Told::new(board))
 }
 
 fn tell_end(board: &Board, end: Result<Finish, Failure>) {

@@ -110,6 +110,29 @@ fn a_status_that_is_no_success_breaks_the_run() {
 }
 
 #[test]
+fn the_unit_that_fails_while_boarding_is_named_even_if_another_crashes_when_it_is_freed() {
+    let (folder, _) =
+        Foreign { defines: &["MISBEHAVE_CALL=FREE", "MISBEHAVE_HOW=CRASH"], ..Foreign::default() }.build();
+    let failures = [
+        ("INSTANTIATE", "NO_INSTANCE", "fmi2Instantiate returned NULL"),
+        ("SETUP", "ERROR_STATUS", "fmi2SetupExperiment returned fmi2Error"),
+        ("ENTER", "ERROR_STATUS", "fmi2EnterInitializationMode returned fmi2Error"),
+    ];
+    for (call, how, words) in failures {
+        let defines = [format!("MISBEHAVE_CALL={call}"), format!("MISBEHAVE_HOW={how}")];
+        let (other, fmu) = Foreign { defines: &[&defines[0], &defines[1]], ..Foreign::default() }.build();
+        std::fs::copy(fmu, folder.path().join("other.fmu")).unwrap();
+        drop(other);
+        let script = "scenario \"Two units\"\nstep 100 ms\nstop 1 s\nfmu crash = \"foreign.fmu\"\nfmu late = \"other.fmu\"\n\
+                      time -> crash.u\ntime -> late.u\nassert small: always late.y < 100\n";
+        std::fs::write(folder.path().join("two.scn"), script).unwrap();
+        let said = run(folder.path(), &["run", "two.scn"]);
+        assert_eq!(said.code, Some(3), "{call}: {}", said.err);
+        assert!(said.err.contains(&format!("error: `late`: {words}")), "{call}: {}", said.err);
+    }
+}
+
+#[test]
 fn a_value_that_is_no_number_is_named_with_its_variable() {
     let (_folder, said) = misbehaving("STEP", "NOT_A_NUMBER");
     assert_eq!(said.code, Some(3), "{}", said.err);

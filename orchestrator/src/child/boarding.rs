@@ -13,11 +13,12 @@ use dsl::scenario::{Preset, Value};
 use std::path::Path;
 use std::sync::Arc;
 
-/// All instances of a plan, each in initialization mode, in the script's order.
+/// Brings all instances of a plan into initialization mode, in the script's order. Whoever is aboard when one fails stays
+/// there, so that the caller can tell the failure before a unit is freed.
 ///
 /// # Errors
 /// The first instance that could not be brought so far.
-pub fn instances(plan: &Plan, board: &Arc<Board>) -> Result<Vec<Seating>, Failure> {
+pub fn instances(plan: &Plan, board: &Arc<Board>, aboard: &mut Vec<Seating>) -> Result<(), Failure> {
     let sink: LogSink = {
         let board = Arc::clone(board);
         Arc::new(move |said| message(&board, &Message::Log(said)))
@@ -25,7 +26,6 @@ pub fn instances(plan: &Plan, board: &Arc<Board>) -> Result<Vec<Seating>, Failur
     let note = board.note(0);
     let start = || note.at(0, 0.0);
     let mut libraries: Vec<Option<Arc<Library>>> = vec![None; plan.units.len()];
-    let mut seatings = Vec::with_capacity(plan.scenario.instances.len());
     for (index, planned) in plan.scenario.instances.iter().enumerate() {
         let unit = &plan.units[plan.unit_of[index]];
         let library = match &libraries[plan.unit_of[index]] {
@@ -35,17 +35,14 @@ pub fn instances(plan: &Plan, board: &Arc<Board>) -> Result<Vec<Seating>, Failur
         libraries[plan.unit_of[index]] = Some(Arc::clone(&library));
         let (note, sink) = (note.clone(), Arc::clone(&sink));
         let setting = Setting { name: &planned.name, index, note, sink, logging_on: false };
-        let mut instance = Instance::instantiate(&library, setting)?;
+        let instance = Instance::instantiate(&library, setting)?;
+        let Seating { instance, .. } = aboard.push_mut(Seating { index, instance });
         for preset in &planned.presets {
-            set(&mut instance, &start(), preset, unit, &plan.folder)?;
+            set(instance, &start(), preset, unit, &plan.folder)?;
         }
         instance.setup_experiment(&start())?;
-        seatings.push(Seating { index, instance });
     }
-    for seating in &mut seatings {
-        seating.instance.enter_initialization_mode(&start())?;
-    }
-    Ok(seatings)
+    aboard.iter_mut().try_for_each(|seating| seating.instance.enter_initialization_mode(&start()))
 }
 
 fn load(unit: &PlannedUnit, name: &str, index: usize, board: &Board) -> Result<Arc<Library>, Failure> {
