@@ -9,6 +9,9 @@ use super::window::Window;
 use crate::expression::{Moment, Place};
 use dsl::scenario::{Formula, TickWindow};
 
+/// A run of more ticks makes room for their values as it comes to them; few such runs are meant to come to their end.
+const ROOM_FROM_THE_START: usize = 10_000_000;
+
 /// A formula with the values of its bounded parts so far.
 #[derive(Debug)]
 pub enum History {
@@ -24,8 +27,9 @@ impl History {
     /// Prepares for samples of ticks 0 to `stop_tick`.
     pub fn new(formula: &Formula, stop_tick: u64, place: &mut Place<'_>) -> Self {
         if is_bounded(formula) {
-            let ticks = usize::try_from(stop_tick + 1).unwrap_or(usize::MAX);
-            return Self::Bounded(Stream::new(formula, place), Vec::with_capacity(ticks));
+            let ticks = usize::try_from(stop_tick.saturating_add(1)).unwrap_or(usize::MAX);
+            let room = Vec::with_capacity(ticks.min(ROOM_FROM_THE_START));
+            return Self::Bounded(Stream::new(formula, place), room);
         }
         match formula {
             Formula::And(parts) | Formula::Or(parts) => {

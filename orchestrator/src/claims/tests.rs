@@ -191,6 +191,13 @@ fn not_a_number_fails_at_its_sample_only() {
 }
 
 #[test]
+fn a_run_too_long_for_memory_begins_all_the_same() {
+    let word_in_word = always(0, None, eventually(0, None, above_zero(0, true)));
+    let (claims, _) = judge(&word_in_word, &[[1.0, 0.0]], u64::MAX, Ending::Complete);
+    assert_eq!(claims.standings().count(), 1);
+}
+
+#[test]
 fn a_run_without_a_sample_leaves_every_claim_unjudged() {
     let (claims, _) = judge(&above_zero(0, true), &[], 10, Ending::CutOff);
     assert_eq!(claims.standings().next().unwrap().verdict, Verdict::Unjudged);
