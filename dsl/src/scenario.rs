@@ -5,6 +5,7 @@
 //! gone, each connection carries one scalar, times are ticks. Reals inside expressions are SI.
 
 mod curve;
+mod reads;
 
 pub use curve::Curve;
 use serde::{Deserialize, Serialize};

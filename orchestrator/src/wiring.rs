@@ -8,14 +8,12 @@ mod events;
 mod feed;
 mod groups;
 mod places;
-mod reads;
 mod trace;
 
 pub use events::{Change, Effect, Override};
 pub use feed::{Computed, Feed, Run};
 pub use groups::Group;
 pub use places::{Member, Pick, Ports, Span};
-pub use reads::reads_of;
 pub use trace::RowPlan;
 
 use crate::expression::Program;
@@ -100,7 +98,7 @@ impl Wiring {
     /// of the worker that holds it.
     #[must_use]
     pub fn new(scenario: &Scenario, descriptions: &[&ModelDescription], worker_of: &[usize]) -> Self {
-        let (mut groups, waves) = groups::form(scenario, descriptions, worker_of);
+        let (mut groups, waves) = groups::form(scenario, worker_of);
         let mut places = Places::assign(scenario, descriptions, &mut groups);
         let mut inputs = places.inputs();
         for (port, slot) in places.input_slots() {

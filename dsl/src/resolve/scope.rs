@@ -25,7 +25,7 @@ pub(super) struct Scope<'a> {
     findings: RefCell<Vec<Diagnostic>>,
     bindings: RefCell<BTreeMap<&'a str, Option<Meaning>>>,
     open: RefCell<Vec<&'a Word>>,
-    rises: RefCell<Vec<BooleanExpression>>,
+    pub(super) rises: RefCell<Vec<BooleanExpression>>,
 }
 
 impl<'a> Scope<'a> {
@@ -87,11 +87,6 @@ impl<'a> Scope<'a> {
             rises.push(condition);
             rises.len() - 1
         })
-    }
-
-    /// The condition of a slot of `rises`.
-    pub fn risen(&self, slot: usize) -> BooleanExpression {
-        self.rises.borrow()[slot].clone()
     }
 
     /// Works out every `let`, so that errors in unused ones are told too.

@@ -1,9 +1,7 @@
 //! Which instances step and deliver together: one order and one reply for each group.
 
-use super::reads::reads_of;
 use crate::values::Ranges;
 use dsl::scenario::Scenario;
-use fmi2::description::ModelDescription;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
@@ -41,15 +39,11 @@ impl Group {
 }
 
 /// Forms the groups, ordered by wave, and the range of groups of each wave.
-pub fn form(
-    scenario: &Scenario,
-    descriptions: &[&ModelDescription],
-    worker_of: &[usize],
-) -> (Vec<Group>, Vec<Range<usize>>) {
+pub fn form(scenario: &Scenario, worker_of: &[usize]) -> (Vec<Group>, Vec<Range<usize>>) {
     let mut readers = vec![BTreeSet::new(); scenario.instances.len()];
     for arrow in scenario.connections.iter().filter(|arrow| arrow.direct) {
         let target_every = scenario.instances[arrow.target.instance].every;
-        reads_of(&arrow.source, descriptions, &mut |port| {
+        arrow.source.reads(&scenario.rises, &mut |port| {
             let source_every = scenario.instances[port.instance].every;
             readers[port.instance].insert(source_every.max(target_every));
         });

@@ -1,7 +1,6 @@
 //! Where each value lies: by group, instance and variable, inputs and outputs apart.
 
 use super::groups::Group;
-use super::reads::reads_that_count;
 use crate::values::{Ranges, Slot, Values};
 use dsl::scenario::{InitialStep, Port, Scenario};
 use fmi2::description::{BaseType, Causality, ModelDescription};
@@ -75,10 +74,7 @@ impl Places {
     /// Gives every port its place and tells the groups where theirs lie.
     pub fn assign(scenario: &Scenario, descriptions: &[&ModelDescription], groups: &mut [Group]) -> Self {
         let driven = driven(scenario);
-        let mut must_be_finite = BTreeSet::new();
-        reads_that_count(scenario, descriptions, &mut |port| {
-            must_be_finite.insert(port);
-        });
+        let must_be_finite = counting(scenario);
         let is_input = |port: &Port| {
             driven.contains(port) || descriptions[port.instance].variables[port.variable].causality == Causality::Input
         };
@@ -215,6 +211,20 @@ fn driven(scenario: &Scenario) -> BTreeSet<Port> {
     let connected = scenario.connections.iter().map(|connection| connection.target);
     let set = scenario.events.iter().flat_map(|event| event.sets.iter().map(|set| set.target));
     connected.chain(set).collect()
+}
+
+/// Ports that connections, `set`, conditions or claims read: those whose values must be finite.
+fn counting(scenario: &Scenario) -> BTreeSet<Port> {
+    let mut ports = BTreeSet::new();
+    let (rises, told) = (&scenario.rises, &mut |port| {
+        ports.insert(port);
+    });
+    let sets = scenario.events.iter().flat_map(|event| &event.sets).map(|set| &set.value);
+    let drives = scenario.connections.iter().map(|connection| &connection.source).chain(sets);
+    drives.for_each(|drive| drive.reads(rises, told));
+    rises.iter().for_each(|condition| condition.reads(rises, told));
+    scenario.claims.iter().for_each(|claim| claim.formula.reads(rises, told));
+    ports
 }
 
 fn initially_read(step: &InitialStep) -> Vec<Port> {

@@ -3,7 +3,7 @@
 use super::counted;
 use super::fold::{groups, without_shared_members};
 use crate::trace::shortest_decimal;
-use crate::wiring::{reads_of, seconds};
+use crate::wiring::seconds;
 use dsl::scenario::{Connection, Drive, InitialStep, Port, RealExpression, Scenario};
 use fmi2::description::{Causality, ModelDescription, Variable};
 use std::fmt::Write;
@@ -81,7 +81,7 @@ impl Plan<'_> {
 
     fn arrow(&self, connection: &Connection) -> Arrow {
         let mut sources = Vec::new();
-        reads_of(&connection.source, self.descriptions, &mut |port| {
+        connection.source.reads(&self.scenario.rises, &mut |port| {
             if !sources.contains(&port) {
                 sources.push(port);
             }
