@@ -8,7 +8,7 @@ use super::assign::Role;
 use super::fit::{Fitted, Meeting};
 use super::meaning::Meaning;
 use super::scope::Scope;
-use super::script::Wire;
+use super::script::{Wire, not_yet};
 use super::signal::Signal;
 use crate::diagnostic::Diagnostic;
 use crate::scenario::{Connection, Port};
@@ -102,6 +102,10 @@ impl Scope<'_> {
                 );
                 return Vec::new();
             };
+            if direct && source.rises() {
+                self.report(rises_within_a_step(at.source));
+                return Vec::new();
+            }
             let connection = Connection { target: port, source, direct };
             wired.push(Wired { connection, wire: index, target: target.span });
         }
@@ -154,4 +158,9 @@ impl Scope<'_> {
             self.report(error.help(format!("write `{source} -> {sink}`")));
         }
     }
+}
+
+/// What rises is known from sample to sample, and `=>` brings what no sample has yet.
+fn rises_within_a_step(source: Span) -> Diagnostic {
+    not_yet(source, "`rises` before `=>`").help("write `->`: what rises is seen at the next sample")
 }

@@ -304,3 +304,21 @@ fn initial_values_that_wait_for_each_other_are_named() {
       = help: give one input of the circle a start value: `fmu ctrl = … { setpoint.x = … }`
     "#);
 }
+
+#[test]
+fn what_rises_is_no_source_within_a_step() {
+    for condition in ["rises(quad.height > 3 m)", "(not rises(quad.height > 3 m)) or quad.landed"] {
+        assert!(shown(&flight(&format!("{condition} -> ctrl.armed"))).is_empty(), "{condition}");
+        let refused = shown(&flight(&format!("let late = {condition}\nlate => ctrl.armed")));
+        assert!(refused.starts_with("error[E20]: `rises` before `=>` is not known"), "{refused}");
+    }
+    insta::assert_snapshot!(shown(&flight("rises(quad.landed) => ctrl.armed")), @"
+    error[E20]: `rises` before `=>` is not known to this version of lockstep yet
+     --> test.scn:7:1
+      |
+    7 | rises(quad.landed) => ctrl.armed
+      | ^^^^^^^^^^^^^^^^^^
+      |
+      = help: write `->`: what rises is seen at the next sample
+    ");
+}
