@@ -223,28 +223,39 @@ impl Function {
     pub fn apply(self, arguments: &[f64]) -> f64 {
         let first = arguments.first().copied().unwrap_or(f64::NAN);
         let sum = || arguments.iter().skip(1).fold(first, |sum, argument| sum + argument);
-        let pick = |better: fn(f64, f64) -> bool| {
-            let rest = arguments.iter().skip(1);
-            rest.fold(first, |best, &x| if x.is_nan() || better(x, best) { x } else { best })
-        };
+        let pick = |better: fn(f64, f64) -> f64| arguments.iter().skip(1).fold(first, |best, &x| better(best, x));
         let count = arguments.len() as f64;
         match self {
             Self::Abs => first.abs(),
-            Self::Min => pick(|x, best| x < best),
-            Self::Max => pick(|x, best| x > best),
+            Self::Min => pick(smaller),
+            Self::Max => pick(larger),
             Self::Sum => sum(),
             Self::Mean => sum() / count,
-            Self::Sqrt => libm::sqrt(first),
+            Self::Sqrt => first.sqrt(),
             Self::Exp => libm::exp(first),
             Self::Log => libm::log(first),
-            Self::Floor => libm::floor(first),
+            Self::Floor => first.floor(),
             Self::Sin => libm::sin(first),
             Self::Cos => libm::cos(first),
             Self::Tan => libm::tan(first),
             Self::Atan2 => libm::atan2(first, arguments.get(1).copied().unwrap_or(f64::NAN)),
-            Self::Norm => libm::sqrt(arguments.iter().fold(0.0, |sum, x| sum + x * x)),
+            Self::Norm => arguments.iter().fold(0.0, |sum, x| sum + x * x).sqrt(),
         }
     }
+}
+
+/// The smaller of two numbers, the first where both are equal; NaN if one is.
+#[inline]
+#[must_use]
+pub fn smaller(a: f64, b: f64) -> f64 {
+    if b.is_nan() || b < a { b } else { a }
+}
+
+/// The larger of two numbers, the first where both are equal; NaN if one is.
+#[inline]
+#[must_use]
+pub fn larger(a: f64, b: f64) -> f64 {
+    if b.is_nan() || b > a { b } else { a }
 }
 
 /// A condition. A comparison with a NaN operand is false.

@@ -9,7 +9,7 @@ pub use compile::Place;
 mod tests;
 
 use crate::values::Values;
-use dsl::scenario::Curve;
+use dsl::scenario::{Curve, larger, smaller};
 
 /// What a program reads: one moment of a run.
 #[derive(Clone, Copy, Debug)]
@@ -154,10 +154,8 @@ impl Binary {
             Self::Subtract => a - b,
             Self::Multiply => a * b,
             Self::Divide => a / b,
-            Self::Min if a.is_nan() || b.is_nan() => f64::NAN,
-            Self::Min => a.min(b),
-            Self::Max if a.is_nan() || b.is_nan() => f64::NAN,
-            Self::Max => a.max(b),
+            Self::Min => smaller(a, b),
+            Self::Max => larger(a, b),
             Self::Atan2 => libm::atan2(a, b),
             Self::Equal => truth(a == b),
             Self::And => truth(a != 0.0 && b != 0.0),

@@ -4,6 +4,7 @@ use super::{Moment, Program};
 use crate::values::{Slot, Values};
 use dsl::scenario::{BooleanExpression as B, Function, Margin, Operand, Port, RealExpression as E, Value};
 use fmi2::description::BaseType;
+use proptest::prelude::*;
 
 /// Variables of instance 0 are Reals 0, 1, …; of instance 1 Integers, of 2 Booleans, of 3 texts.
 fn place(port: Port) -> Slot {
@@ -95,4 +96,32 @@ fn conditions_join_negate_and_rise() {
     assert!(holds(&B::Not(Box::new(no))));
     assert!(!holds(&B::Rises(0)) && holds(&B::Rises(1)));
     assert!(holds(&B::And(vec![])) && !holds(&B::Or(vec![])) && holds(&B::Constant(true)));
+}
+
+/// Numbers that tell apart what is equal only almost: zeros of both signs, the not-a-numbers, the ends of the range.
+fn any_number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        prop::sample::select(vec![0.0, -0.0, 1.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, 5e-324]),
+        any::<f64>(),
+        -10.0..10.0,
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn what_is_computed_before_a_run_has_the_bits_that_the_run_computes(
+        many in prop::collection::vec(any_number(), 1..5), y in any_number(),
+    ) {
+        use Function::{Abs, Atan2, Cos, Exp, Floor, Log, Max, Mean, Min, Norm, Sin, Sqrt, Sum, Tan};
+        let one = [Abs, Sqrt, Exp, Log, Floor, Sin, Cos, Tan].map(|function| (function, vec![many[0]]));
+        let all = [Min, Max, Sum, Mean, Norm].map(|function| (function, many.clone()));
+        for (function, arguments) in one.into_iter().chain(all).chain([(Atan2, vec![y, many[0]])]) {
+            let folded = function.apply(&arguments);
+            let run = real(&E::Call(function, arguments.iter().map(|&argument| E::Constant(argument)).collect()));
+            let is_same = folded.to_bits() == run.to_bits() || folded.is_nan() && run.is_nan();
+            prop_assert!(is_same, "{function:?} of {arguments:?}: {folded} and {run}");
+        }
+    }
 }
