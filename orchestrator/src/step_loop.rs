@@ -132,8 +132,9 @@ impl<'a, W: Witness> StepLoop<'a, W> {
         if tick >= self.wiring.stop_tick {
             return Some(Reason::StopTime);
         }
-        if let Some((_, terminated)) = self.terminated.iter().find(|(due_tick, _)| *due_tick <= tick) {
-            return Some(Reason::Terminated(terminated.instance));
+        let due = self.terminated.iter().filter(|(due_tick, _)| *due_tick <= tick);
+        if let Some(first) = due.map(|(_, unit)| unit.instance).min() {
+            return Some(Reason::Terminated(first));
         }
         let lost = self.claims.lost().filter(|_| self.wishes.fail_fast).map(Reason::ClaimLost);
         lost.or_else(|| self.witness.stop_requested().then_some(Reason::Interrupted))

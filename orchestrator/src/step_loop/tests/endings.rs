@@ -45,6 +45,15 @@ fn a_unit_that_ends_where_its_step_ends_leaves_a_last_row() {
 }
 
 #[test]
+fn of_units_that_end_at_one_tick_the_first_in_the_script_is_told() {
+    let done = |step: &Step| Answer::Terminated { y: 0.0, last_successful_time_s: step.tick as f64 + 1.0 };
+    // The second unit steps first, so its word comes first.
+    let script = Script::new(vec![answering(1, 1, done), answering(1, 0, done)]);
+    let flown = script.connect(1, 0, false).record(&[(0, Y), (1, Y)]).fly();
+    assert_eq!(flown.result, Ok(Finish { last_tick: 1, reason: Reason::Terminated(0) }));
+}
+
+#[test]
 fn a_unit_that_ends_within_its_step_leaves_the_row_before() {
     let done = |step: &Step| Answer::Terminated { y: f64::NAN, last_successful_time_s: step.tick as f64 + 0.5 };
     for (wave, direct) in [(0, false), (1, true)] {
