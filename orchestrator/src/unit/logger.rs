@@ -44,10 +44,11 @@ unsafe fn deliver(
     // What is caught was told by the panic hook already, and a unit cannot do anything about it.
     let _ = catch_unwind(AssertUnwindSafe(|| {
         // SAFETY: the caller says so.
-        let (name, category) = unsafe { (lossy(name), lossy(category)) };
+        let (name, mut category) = unsafe { (lossy(name), lossy(category)) };
         let Some((environment, exact)) = Environment::find(environment, &name) else { return };
         let mut text = environment.names.expand(String::from_utf8_lossy(&text()).trim_end());
         cut(&mut text);
+        cut(&mut category);
         let instance = exact.then_some(environment.instance);
         (environment.sink)(LogMessage { instance, tick: environment.note.tick(), status, category, text });
     }));

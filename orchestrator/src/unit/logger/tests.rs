@@ -87,6 +87,17 @@ fn long_messages_arrive_whole_and_endless_ones_are_cut() {
 }
 
 #[test]
+fn a_message_whose_category_is_endless_is_no_longer_than_the_board_takes() {
+    let heard = listen("category");
+    let endless = CString::new("\u{e9}".repeat(2 << 20)).unwrap();
+    // SAFETY: no argument is asked for.
+    unsafe { LOGGER(heard.registration.handle(), c"unit".as_ptr(), 0, endless.as_ptr(), endless.as_ptr()) };
+    let message = heard.messages.lock().unwrap().pop().unwrap();
+    assert!(message.category.ends_with(CUT) && message.text.ends_with(CUT), "{}", message.category.len());
+    assert!(postcard::to_stdvec(&message).unwrap().len() <= Board::LONGEST_MESSAGE);
+}
+
+#[test]
 fn a_format_that_writes_memory_is_not_obeyed() {
     let heard = listen("hostile");
     let mut written = 0_i32;
