@@ -30,7 +30,7 @@ pub(super) fn log_line(said: &LogMessage, scenario: &Scenario) -> String {
 /// Without the characters that would command the user's terminal.
 fn harmless(text: &str) -> String {
     let commands = |letter: char| letter.is_control() && !['\n', '\t'].contains(&letter);
-    text.replace(commands, "\u{fffd}")
+    text.replace("\r\n", "\n").replace(commands, "\u{fffd}")
 }
 
 /// The failure of a process that was in this call, or in none, when it happened.
@@ -68,7 +68,7 @@ mod tests {
         };
         assert_eq!(line(Some(0), 1, "low battery: 7 %\n"), "12.34 s  quad  warning  low battery: 7 %");
         assert_eq!(line(None, 0, "hello"), "12.34 s  -  info  hello");
-        assert_eq!(line(None, 0, "a\n\tb\x1b[2J\x07c"), "12.34 s  -  info  a\n\tb\u{fffd}[2J\u{fffd}c");
+        assert_eq!(line(None, 0, "a\r\n\tb\x1b[2J\x07c"), "12.34 s  -  info  a\n\tb\u{fffd}[2J\u{fffd}c");
         assert_eq!(line(Some(0), 77, "what?"), "12.34 s  quad  status 77  what?");
     }
 
