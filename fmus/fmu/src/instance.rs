@@ -50,8 +50,7 @@ impl Progress {
 }
 
 impl Instance {
-    pub(crate) fn new(library: &'static Library, log: Log) -> Self {
-        let body = Body::new(library);
+    pub(crate) fn new(library: &'static Library, body: Body, log: Log) -> Self {
         let texts = vec![CString::default(); body.slots().strings.len()];
         Self { library, log, body, progress: Progress::AT_START, poisoned: false, saved: Vec::new(), texts }
     }

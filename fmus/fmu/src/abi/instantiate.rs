@@ -2,6 +2,7 @@
 #![allow(unsafe_code, reason = "pointers of the importer")]
 
 use super::{AssertUnwindSafe, Instance, catch_unwind};
+use crate::body::Body;
 use crate::instance::panic_text;
 use crate::library::Library;
 use crate::log::Log;
@@ -31,14 +32,16 @@ pub unsafe fn instantiate(
     if logging_on != c::FALSE {
         log.want_all(true);
     }
-    let checked = catch_unwind(AssertUnwindSafe(|| why_not(library, name.as_deref(), kind, guid.as_deref())));
-    if let Some(reason) = checked.unwrap_or_else(|panic| Some(panic_text(&*panic))) {
-        log.send(Status::Error, &format!("fmi2Instantiate: {reason}"));
-        return std::ptr::null_mut();
-    }
-    match catch_unwind(AssertUnwindSafe(|| Box::new(Instance::new(library, log)))) {
-        Ok(instance) => Box::into_raw(instance).cast(),
-        Err(_) => std::ptr::null_mut(),
+    let made = catch_unwind(AssertUnwindSafe(|| match why_not(library, name.as_deref(), kind, guid.as_deref()) {
+        Some(reason) => Err(reason),
+        None => Ok(Body::new(library)),
+    }));
+    match made.unwrap_or_else(|panic| Err(panic_text(&*panic))) {
+        Ok(body) => Box::into_raw(Box::new(Instance::new(library, body, log))).cast(),
+        Err(reason) => {
+            log.send(Status::Error, &format!("fmi2Instantiate: {reason}"));
+            std::ptr::null_mut()
+        }
     }
 }
 

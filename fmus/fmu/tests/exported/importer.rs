@@ -43,7 +43,7 @@ unsafe extern "C" fn log(
     messages.lock().expect("no panic").push(Message { instance, status, category, text });
 }
 
-fn callbacks(messages: &Messages) -> CallbackFunctions {
+pub fn callbacks(messages: &Messages) -> CallbackFunctions {
     // SAFETY: the unit passes no arguments after the format, so that both calls are the same on every platform we build for.
     let logger = unsafe {
         std::mem::transmute::<

@@ -1,7 +1,12 @@
 //! A panic of a unit stays on its side of the border.
 
-use crate::importer::{ERROR, Importer, OK};
+use crate::importer::{ERROR, Importer, OK, callbacks};
 use crate::probe::{UNLUCKY_M_S, port};
+use fmu::{Context, Fault, Fmu, Library, Model, Outcome, Package, Step};
+use serde::{Deserialize, Serialize};
+use std::cell::Cell;
+use std::ffi::CString;
+use std::sync::Mutex;
 
 fn panicked() -> Importer {
     let importer = Importer::new().started();
@@ -37,4 +42,55 @@ fn a_panic_in_one_instance_leaves_others_alone() {
     let other = Importer::new().started();
     let _panicked = panicked();
     assert_eq!(other.step(0.0, 0.1), OK);
+}
+
+thread_local! {
+    static IS_DEFECT: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Hidden state that cannot always be made.
+#[derive(Clone, Serialize, Deserialize)]
+struct Fuse;
+
+impl Default for Fuse {
+    fn default() -> Self {
+        assert!(!IS_DEFECT.get(), "the fuse has blown");
+        Self
+    }
+}
+
+/// Which needs a fuse.
+#[derive(Fmu, Clone, Serialize, Deserialize)]
+struct Lamp {
+    /// Whether it shines
+    #[output(exact = 0.0, unit = "1")]
+    light: f64,
+    fuse: Fuse,
+}
+
+impl Model for Lamp {
+    fn init(&mut self, _: &mut Context) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    fn step(&mut self, _: Step, _: &mut Context) -> Result<Outcome, Fault> {
+        Ok(Outcome::Done)
+    }
+}
+
+static LAMP: Library =
+    Library::of::<Lamp>(Package { identifier: "lamp", version: "1.0.0", authors: "", license: "MIT" });
+
+#[test]
+fn a_unit_that_panics_while_it_is_made_says_why_there_is_no_instance() {
+    let guid = LAMP.xml().split("guid=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a GUID");
+    let guid = CString::new(guid).expect("no zero");
+    IS_DEFECT.set(true);
+    let messages = Mutex::default();
+    let callbacks = callbacks(&messages);
+    // SAFETY: the strings and callbacks live until the call returns, and no instance outlives it.
+    let component = unsafe { fmu::abi::instantiate(&LAMP, c"one".as_ptr(), 1, guid.as_ptr(), &raw const callbacks, 0) };
+    assert!(component.is_null());
+    let texts: Vec<_> = messages.into_inner().expect("no panic").into_iter().map(|message| message.text).collect();
+    assert_eq!(texts, ["fmi2Instantiate: the fuse has blown"]);
 }
