@@ -44,7 +44,7 @@ pub struct Setpoint {
     #[port(unit = "m/s")]
     pub velocity: Vector3<f64>,
     /// Acceleration, world frame
-    #[port(unit = "m/s2")]
+    #[port(unit = "m/s^2")]
     pub acceleration: Vector3<f64>,
     /// Heading, counter-clockwise from east
     #[port(unit = "rad")]
