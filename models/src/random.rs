@@ -31,7 +31,8 @@ impl Default for Generator {
 }
 
 impl Generator {
-    /// Starts the sequence that belongs to `seed` and `stream`; different streams of one seed are independent.
+    /// Starts the sequence that belongs to `seed` and `stream`; different streams of one seed give
+    /// different sequences. Their beginnings may have words in common: streams 0 and 2 of seed 1 do.
     #[must_use]
     pub fn new(seed: u64, stream: u64) -> Self {
         let mut split_mix = seed ^ stream.wrapping_mul(GOLDEN_GAMMA);
