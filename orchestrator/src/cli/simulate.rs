@@ -79,7 +79,10 @@ impl Simulate {
         if start_s != 0.0 {
             report::status(&format!("warning: the unit's DefaultExperiment begins at {start_s} s, this run at 0 s"));
         }
-        let experiment = experiment::Experiment::new(self.stop, self.step, &alone.description);
+        let experiment = experiment::Experiment::new(self.stop, self.step, &alone.description)?;
+        if let Some(note) = &experiment.note {
+            report::status(note);
+        }
         let script = alone.script(&experiment, &self.set, curves, &catalogue);
         // Not the folder of a script of the same name.
         let folder = || Path::new("runs").join(format!("{}-alone", alone.name()));

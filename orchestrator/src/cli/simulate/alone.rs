@@ -160,7 +160,7 @@ pub(super) mod tests {
         let catalogue = Catalogue::new(vec![folder.path().to_owned()], folder.path(), false).unwrap();
         let alone = Alone::find("tank", &catalogue).unwrap();
         let settings: Vec<_> = settings.iter().map(|&setting| setting.to_owned()).collect();
-        alone.script(&Experiment { stop_s: 2.0, step_s: 0.01 }, &settings, curves, &catalogue)
+        alone.script(&Experiment { stop_s: 2.0, step_s: 0.01, note: None }, &settings, curves, &catalogue)
     }
 
     #[test]
