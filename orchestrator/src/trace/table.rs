@@ -195,6 +195,19 @@ mod tests {
         assert_eq!((table.rows.len(), table.partial), (1, true));
     }
 
+    proptest::proptest! {
+        #[test]
+        fn whatever_a_file_holds_is_a_table_or_an_error(text in "(time)?[,\"\r\n0-9.a-z \\PC]{0,80}\n?") {
+            let folder = folder_with("trace.csv", &text);
+            if let Ok(table) = Table::read(folder.path()) {
+                for column in 0..table.names.len() {
+                    proptest::prop_assert_eq!(table.numbers(column).len(), table.rows.len());
+                }
+            }
+            proptest::prop_assert_eq!(notes(folder.path()), []);
+        }
+    }
+
     #[test]
     fn a_row_that_does_not_fit_is_named_by_its_line() {
         let folder = folder_with("trace.csv", "time,a\n0,1\n0.1\n");

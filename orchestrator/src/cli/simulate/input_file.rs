@@ -202,6 +202,19 @@ mod tests {
         assert_eq!(told, expected);
     }
 
+    proptest::proptest! {
+        #[test]
+        fn whatever_a_file_holds_is_curves_or_an_error_with_a_place(
+            text in "(time,inflow\n|t,open,mode\n)?([0-9.,\"\r\n te\\PC]{0,80}|([0-9],[0-9.]{1,4}\n){0,5})"
+        ) {
+            let lines = text.lines().count().max(1);
+            match read(&text, &tank()) {
+                Ok(curves) => proptest::prop_assert!(curves.iter().all(|(_, curve)| !curve.rows.is_empty())),
+                Err(wrong) => proptest::prop_assert!((1..=lines).contains(&wrong.line) && wrong.column > 0),
+            }
+        }
+    }
+
     #[test]
     fn a_quoted_name_may_hold_commas_and_quotes() {
         let told: Vec<_> =
