@@ -1,7 +1,8 @@
 //! Start values as users of other tools give them: a variable's name and a bare value in its own unit.
 
 use dsl::scenario::{Preset, Value};
-use fmi2::description::{Causality, Initial, Kind, ModelDescription, Variability, Variable};
+use fmi2::calls::{Permission, State, settable};
+use fmi2::description::{Kind, ModelDescription, Variable};
 
 /// The preset that a setting such as `mass = 1.6` means; `None` leaves it to the language of scripts, which knows units
 /// of measure, groups and what is wrong with the rest.
@@ -28,8 +29,8 @@ fn parsed(text: &str, kind: &Kind) -> Option<Value> {
 
 /// Whether the standard lets the variable be set before initialization.
 fn may_be_set(variable: &Variable) -> bool {
-    let starts = matches!(variable.initial_or_default(), Some(Initial::Exact | Initial::Approx));
-    variable.variability != Variability::Constant && (variable.causality == Causality::Input || starts)
+    let initial = variable.initial_or_default();
+    settable(State::Instantiated, variable.causality, variable.variability, initial) == Permission::Always
 }
 
 #[cfg(test)]
