@@ -153,7 +153,8 @@ fn types(scalars: &[Scalar]) -> Vec<SimpleType> {
     types
 }
 
-fn variable(scalar: &Scalar, value_reference: u32) -> Variable {
+/// What the standard calls the role of a scalar.
+pub(crate) fn attributes(scalar: &Scalar) -> (Causality, Variability, Option<Initial>) {
     let (causality, initial) = match scalar.declaration.role {
         Role::Input => (Causality::Input, None),
         Role::Parameter { .. } => (Causality::Parameter, Some(Initial::Exact)),
@@ -168,6 +169,11 @@ fn variable(scalar: &Scalar, value_reference: u32) -> Variable {
         (_, ScalarKind::Real) => Variability::Continuous,
         _ => Variability::Discrete,
     };
+    (causality, variability, initial)
+}
+
+fn variable(scalar: &Scalar, value_reference: u32) -> Variable {
+    let (causality, variability, initial) = attributes(scalar);
     let declared_type = match scalar.kind {
         ScalarKind::Enumeration(enumeration) => Some(enumeration.name.to_owned()),
         _ => None,

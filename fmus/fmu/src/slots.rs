@@ -1,8 +1,8 @@
 //! The table behind value references: for each base type, where the scalars lie and when they may be set.
 
-use crate::declaration::Role;
+use crate::describe::attributes;
 use crate::visitor::{EnumerationAccess, Scalar, ScalarKind};
-use fmi2::calls::State;
+use fmi2::calls::{Permission, State, settable};
 
 /// The table of one unit. A value reference is an index into the list of its base type.
 #[derive(Debug)]
@@ -27,11 +27,16 @@ pub(crate) enum Settable {
 }
 
 impl Settable {
-    fn of(role: &Role) -> Self {
-        match role {
-            Role::Input | Role::Parameter { tunable: true } => Self::BetweenSteps,
-            Role::Parameter { tunable: false } | Role::ExactOutput | Role::ExactLocal => Self::BeforeTheRun,
-            Role::CalculatedOutput { .. } | Role::CalculatedLocal => Self::Never,
+    /// What the table of the standard says, in a form that a call needs no time for.
+    fn of(scalar: &Scalar) -> Self {
+        let (causality, variability, initial) = attributes(scalar);
+        let may_be_set = |state| settable(state, causality, variability, initial) == Permission::Always;
+        if may_be_set(State::StepComplete) {
+            Self::BetweenSteps
+        } else if may_be_set(State::Instantiated) {
+            Self::BeforeTheRun
+        } else {
+            Self::Never
         }
     }
 
@@ -90,7 +95,7 @@ impl Slots {
 
     fn add(&mut self, scalar: &Scalar) -> u32 {
         let Scalar { name, offset, declaration, .. } = scalar;
-        let (name, offset, settable) = (name.clone(), *offset, Settable::of(&declaration.role));
+        let (name, offset, settable) = (name.clone(), *offset, Settable::of(scalar));
         let (min, max) = (declaration.min.unwrap_or(f64::MIN), declaration.max.unwrap_or(f64::MAX));
         let index = match scalar.kind {
             ScalarKind::Real => {
