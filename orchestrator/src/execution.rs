@@ -85,7 +85,7 @@ fn note_break(folder: &mut RunFolder, record: &mut RunRecord, error: &SuperviseE
     record.broken = Some(match error {
         SuperviseError::Broken { failure, .. } => {
             report::error(failure, failure.help().as_deref());
-            Broken::from(failure)
+            Broken::from(&**failure)
         }
         SuperviseError::Start { .. } | SuperviseError::Trace(_) => Broken::outside_of_calls(error),
     });

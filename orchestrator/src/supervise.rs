@@ -81,7 +81,7 @@ pub enum SuperviseError {
     /// The results could not be written of a run that had broken before.
     Broken {
         /// What broke it.
-        failure: Failure,
+        failure: Box<Failure>,
         /// Why there are no results.
         error: TraceError,
     },
@@ -92,7 +92,7 @@ impl SuperviseError {
     #[must_use]
     pub fn unwritten(failure: Option<Failure>, error: TraceError) -> Self {
         match failure {
-            Some(failure) => Self::Broken { failure, error },
+            Some(failure) => Self::Broken { failure: Box::new(failure), error },
             None => Self::Trace(error),
         }
     }
