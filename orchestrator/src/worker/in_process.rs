@@ -105,15 +105,13 @@ impl Worker for InProcess {
     fn set_initial(&mut self, instance: usize, picks: &[Pick], inputs: &Values) -> Result<(), Lost> {
         let Self { note, seats, .. } = self;
         let seat = find(seats, instance);
-        let mut set = |pick| seat.set_one(&note.at(0, 0.0), pick, inputs);
-        picks.iter().try_for_each(&mut set).map_err(|failure| seat.lose(failure))
+        seat.set_picked(&note.at(0, 0.0), picks, inputs).map_err(|failure| seat.lose(failure))
     }
 
     fn get_initial(&mut self, instance: usize, picks: &[Pick], outputs: &mut Values) -> Result<(), Lost> {
         let Self { note, seats, .. } = self;
         let seat = find(seats, instance);
-        let mut get = |pick| seat.get_one(&note.at(0, 0.0), pick, outputs);
-        picks.iter().try_for_each(&mut get).map_err(|failure| seat.lose(failure))
+        seat.get_picked(&note.at(0, 0.0), picks, outputs).map_err(|failure| seat.lose(failure))
     }
 
     fn start(&mut self, outputs: &mut Values) -> Result<(), Lost> {
@@ -234,23 +232,69 @@ impl Seat {
         self.instance.get_string(now, &texts.references, &mut outputs.texts[texts.range()])
     }
 
-    fn set_one(&mut self, now: &Now<'_>, pick: &Pick, inputs: &Values) -> Result<(), Failure> {
-        let (at, reference) = (pick.slot.index..=pick.slot.index, &[pick.reference]);
-        match pick.slot.base {
-            BaseType::Real => self.instance.set_real(now, reference, &inputs.reals[at]),
-            BaseType::Integer => self.instance.set_integer(now, reference, &inputs.integers[at]),
-            BaseType::Boolean => self.instance.set_boolean(now, reference, &inputs.booleans[at]),
-            BaseType::String => self.instance.set_string(now, reference, &inputs.texts[at]),
-        }
+    fn set_picked(&mut self, now: &Now<'_>, picks: &[Pick], inputs: &Values) -> Result<(), Failure> {
+        let [reals, integers, booleans, texts] = by_type(picks);
+        self.instance.set_real(now, &reals.references, &reals.out_of(&inputs.reals))?;
+        self.instance.set_integer(now, &integers.references, &integers.out_of(&inputs.integers))?;
+        self.instance.set_boolean(now, &booleans.references, &booleans.out_of(&inputs.booleans))?;
+        self.instance.set_string(now, &texts.references, &texts.out_of(&inputs.texts))
     }
 
-    fn get_one(&mut self, now: &Now<'_>, pick: &Pick, outputs: &mut Values) -> Result<(), Failure> {
-        let (at, reference) = (pick.slot.index..=pick.slot.index, &[pick.reference]);
-        match pick.slot.base {
-            BaseType::Real => self.instance.get_real(now, reference, &mut outputs.reals[at]),
-            BaseType::Integer => self.instance.get_integer(now, reference, &mut outputs.integers[at]),
-            BaseType::Boolean => self.instance.get_boolean(now, reference, &mut outputs.booleans[at]),
-            BaseType::String => self.instance.get_string(now, reference, &mut outputs.texts[at]),
-        }
+    fn get_picked(&mut self, now: &Now<'_>, picks: &[Pick], outputs: &mut Values) -> Result<(), Failure> {
+        let [reals, integers, booleans, texts] = by_type(picks);
+        reals.fetch(&mut outputs.reals, |to| self.instance.get_real(now, &reals.references, to))?;
+        integers.fetch(&mut outputs.integers, |to| self.instance.get_integer(now, &integers.references, to))?;
+        booleans.fetch(&mut outputs.booleans, |to| self.instance.get_boolean(now, &booleans.references, to))?;
+        texts.fetch(&mut outputs.texts, |to| self.instance.get_string(now, &texts.references, to))
     }
+}
+
+/// Variables of one type whose values lie anywhere.
+struct Scattered {
+    references: Vec<u32>,
+    at: Vec<usize>,
+}
+
+fn by_type(picks: &[Pick]) -> [Scattered; 4] {
+    [BaseType::Real, BaseType::Integer, BaseType::Boolean, BaseType::String].map(|base| {
+        let of_type = picks.iter().filter(|pick| pick.slot.base == base);
+        let (references, at) = of_type.map(|pick| (pick.reference, pick.slot.index)).unzip();
+        Scattered { references, at }
+    })
+}
+
+impl Scattered {
+    fn out_of<T: Clone>(&self, values: &[T]) -> Vec<T> {
+        self.at.iter().map(|&at| values[at].clone()).collect()
+    }
+
+    fn fetch<T: Clone>(
+        &self,
+        values: &mut [T],
+        get: impl FnOnce(&mut [T]) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let mut got = self.out_of(values);
+        get(&mut got)?;
+        for (&at, value) in self.at.iter().zip(got) {
+            values[at] = value;
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn variables_are_asked_for_by_type_and_their_values_go_to_their_places() {
+    use crate::values::Slot;
+    let pick = |base, index, reference| Pick { slot: Slot { base, index }, reference };
+    let (real, integer) = (BaseType::Real, BaseType::Integer);
+    let [reals, integers, booleans, texts] = by_type(&[pick(real, 3, 30), pick(integer, 0, 31), pick(real, 1, 10)]);
+    assert_eq!((reals.references.as_slice(), integers.references.as_slice()), ([30, 10].as_slice(), [31].as_slice()));
+    assert!(booleans.references.is_empty() && texts.references.is_empty());
+    let mut values = [0.0, 1.0, 2.0, 3.0];
+    assert_eq!(reals.out_of(&values), [3.0, 1.0]);
+    let answered = reals.fetch(&mut values, |to| {
+        to.copy_from_slice(&[30.0, 10.0]);
+        Ok(())
+    });
+    assert_eq!((answered, values), (Ok(()), [0.0, 10.0, 2.0, 30.0]));
 }
