@@ -120,9 +120,4 @@ impl Claims {
             told(index, monitor.standing);
         }
     }
-
-    /// How each claim stands.
-    pub fn standings(&self) -> impl Iterator<Item = Standing> + '_ {
-        self.monitors.iter().map(|monitor| monitor.standing)
-    }
 }

@@ -1,7 +1,6 @@
 //! Claims judged online against the definition of their words, evaluated from the whole trace.
 
 use super::judged::{Join, Joined, Judged, Outcome};
-use super::stream::horizon;
 use super::{Claims, Ending, Standing, Verdict};
 use crate::expression::Moment;
 use crate::values::{Slot, Values};
@@ -40,6 +39,15 @@ fn defined(formula: &Formula, at: u64, trace: &[[f64; 2]], ending: Ending) -> Ou
     }
 }
 
+/// How many ticks ahead of its own a formula needs samples.
+fn horizon(formula: &Formula) -> u64 {
+    match formula {
+        Formula::And(parts) | Formula::Or(parts) => parts.iter().fold(0, |most, part| most.max(horizon(part))),
+        Formula::Always(window, body) | Formula::Eventually(window, body) => horizon(body) + window.to.unwrap_or(0),
+        _ => 0,
+    }
+}
+
 fn judge(formula: &Formula, trace: &[[f64; 2]], stop_tick: u64, ending: Ending) -> (Claims, Standing) {
     let claim =
         Claim { name: String::new(), text: String::new(), line: 1, formula: formula.clone(), unit: None, limit: None };
@@ -48,7 +56,7 @@ fn judge(formula: &Formula, trace: &[[f64; 2]], stop_tick: u64, ending: Ending) 
         let outputs = Values { reals: sample.to_vec(), ..Values::default() };
         claims.take(tick, &Moment { outputs: &outputs, time_s: 0.0, rises: &[] }, |_, _| {});
     }
-    let early = claims.standings().next().unwrap();
+    let early = claims.monitors[0].standing;
     claims.end((trace.len() as u64).checked_sub(1), ending, |_, _| {});
     (claims, early)
 }
@@ -114,7 +122,7 @@ proptest! {
     ) {
         let ending = if complete { Ending::Complete } else { Ending::CutOff };
         let (claims, early) = judge(&formula, &trace, trace.len() as u64 - 1 + more, ending);
-        let standing = claims.standings().next().unwrap();
+        let standing = claims.monitors[0].standing;
         match defined(&formula, 0, &trace, ending) {
             Some(value) => {
                 let verdict = if value.holds() { Verdict::Holds } else { Verdict::Fails };
@@ -132,9 +140,9 @@ proptest! {
     fn what_was_decided_when_a_run_was_cut_off_holds_for_every_continuation(
         formula in any_formula(), trace in any_trace(), rest in any_trace(),
     ) {
-        let cut = judge(&formula, &trace, 40, Ending::CutOff).0.standings().next().unwrap().verdict;
+        let cut = judge(&formula, &trace, 40, Ending::CutOff).0.monitors[0].standing.verdict;
         let whole: Vec<_> = trace.iter().chain(&rest).copied().collect();
-        let later = judge(&formula, &whole, 40, Ending::CutOff).0.standings().next().unwrap().verdict;
+        let later = judge(&formula, &whole, 40, Ending::CutOff).0.monitors[0].standing.verdict;
         if cut != Verdict::Unjudged {
             prop_assert_eq!(cut, later);
         }
@@ -143,7 +151,7 @@ proptest! {
 
 fn standing_of(formula: &Formula, values: &[f64], ending: Ending) -> (Verdict, f64, u64) {
     let trace: Vec<_> = values.iter().map(|&value| [value, 0.0]).collect();
-    let standing = judge(formula, &trace, 100, ending).0.standings().next().unwrap();
+    let standing = judge(formula, &trace, 100, ending).0.monitors[0].standing;
     (standing.verdict, standing.margin, standing.worst_tick)
 }
 
@@ -194,11 +202,11 @@ fn not_a_number_fails_at_its_sample_only() {
 fn a_run_too_long_for_memory_begins_all_the_same() {
     let word_in_word = always(0, None, eventually(0, None, above_zero(0, true)));
     let (claims, _) = judge(&word_in_word, &[[1.0, 0.0]], u64::MAX, Ending::Complete);
-    assert_eq!(claims.standings().count(), 1);
+    assert_eq!(claims.monitors.len(), 1);
 }
 
 #[test]
 fn a_run_without_a_sample_leaves_every_claim_unjudged() {
     let (claims, _) = judge(&above_zero(0, true), &[], 10, Ending::CutOff);
-    assert_eq!(claims.standings().next().unwrap().verdict, Verdict::Unjudged);
+    assert_eq!(claims.monitors[0].standing.verdict, Verdict::Unjudged);
 }
