@@ -11,6 +11,7 @@ use crate::message::{Finish, Message};
 use crate::plan::Plan;
 use crate::step_loop::{StepLoop, Wishes};
 use crate::unit::board::Board;
+use crate::unit::exit;
 use crate::wiring::Wiring;
 use crate::worker::{InProcess, Seating, Worker};
 use std::io::{self, Read};
@@ -85,6 +86,6 @@ fn end_with_parent() {
     std::thread::spawn(|| {
         // Whatever else comes is of no interest; neither is why it ends.
         io::copy(&mut io::stdin(), &mut io::sink()).ok();
-        std::process::exit(1);
+        exit::at_once(1);
     });
 }

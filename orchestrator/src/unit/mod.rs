@@ -8,6 +8,7 @@ pub mod archive;
 pub mod board;
 pub mod describe;
 pub mod error;
+pub mod exit;
 pub mod instance;
 pub mod library;
 pub mod logger;
