@@ -3,6 +3,7 @@
 //! Standard input stays open as long as the parent lives; when it closes, so does this process.
 
 mod boarding;
+mod pace;
 mod told;
 
 use crate::claims::Claims;
@@ -14,6 +15,7 @@ use crate::unit::board::Board;
 use crate::unit::exit;
 use crate::wiring::Wiring;
 use crate::worker::{InProcess, Seating, Worker};
+use pace::Pace;
 use std::io::{self, Read};
 use std::sync::Arc;
 use told::Told;
@@ -73,8 +75,10 @@ fn step_loop<'a>(plan: &'a Plan, board: &'a Board, aboard: Vec<Seating>) -> Step
     let wiring = Wiring::new(scenario, &descriptions, &vec![0; scenario.instances.len()]);
     let claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
     let worker: Box<dyn Worker> = Box::new(InProcess::new(&wiring, aboard, board.note(0)));
+    let pace = plan.pace.map(|pace| Pace::new(pace, scenario.step_ns));
+    let told = Told::new(board, pace);
     let wishes = Wishes { fail_fast: plan.fail_fast, record: plan.record };
-    StepLoop::new(wiring, claims, vec![worker], wishes, Told::new(board))
+    StepLoop::new(wiring, claims, vec![worker], wishes, told)
 }
 
 fn tell_end(board: &Board, end: Result<Finish, Failure>) {

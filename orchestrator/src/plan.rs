@@ -24,6 +24,8 @@ pub struct Plan {
     pub fail_fast: bool,
     /// Record nothing (`--record none`).
     pub record: bool,
+    /// Simulated seconds for each second of the wall clock (`--pace`); `None` for as fast as it goes.
+    pub pace: Option<f64>,
 }
 
 /// A unit, unpacked by the parent.

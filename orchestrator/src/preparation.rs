@@ -25,6 +25,8 @@ pub struct Wanted {
     pub fail_fast: bool,
     /// Record rows.
     pub record: bool,
+    /// Simulated seconds for each second of the wall clock, if it is not to run as fast as it can.
+    pub pace: Option<f64>,
     /// What the run reads besides what the script names.
     pub files: Vec<HashedFile>,
 }
@@ -89,6 +91,7 @@ pub fn prepare(mut script: Script, wanted: Wanted) -> Result<Preparation, Refusa
         board: home.path().join("board"),
         fail_fast: wanted.fail_fast,
         record: wanted.record,
+        pace: wanted.pace,
         units,
     };
     Ok(Preparation { plan, record, folder, home, script: script.name })

@@ -1,5 +1,6 @@
 //! The loop's witness in a run: the board.
 
+use super::pace::Pace;
 use crate::claims::Standing;
 use crate::message::Message;
 use crate::step_loop::Witness;
@@ -8,19 +9,23 @@ use crate::unit::board::{Board, ClaimNote};
 /// Tells the board.
 pub struct Told<'a> {
     board: &'a Board,
+    pace: Option<Pace>,
     tick: u64,
 }
 
 impl<'a> Told<'a> {
-    /// Tells this board.
-    pub fn new(board: &'a Board) -> Self {
-        Self { board, tick: 0 }
+    /// Tells this board, no faster than this pace.
+    pub fn new(board: &'a Board, pace: Option<Pace>) -> Self {
+        Self { board, pace, tick: 0 }
     }
 }
 
 impl Witness for Told<'_> {
     #[inline]
     fn reached(&mut self, tick: u64) {
+        if let Some(pace) = &mut self.pace {
+            pace.wait_for(tick, || self.board.stop_requested());
+        }
         self.tick = tick;
         self.board.set_tick(tick);
     }

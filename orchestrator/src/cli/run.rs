@@ -37,6 +37,9 @@ pub struct Run {
     /// End as soon as a claim is lost
     #[arg(long)]
     fail_fast: bool,
+    /// Simulated seconds for each second of the wall clock, to watch it: 1 is real time [default: as fast as it goes]
+    #[arg(long, value_name = "FACTOR", value_parser = pace)]
+    pace: Option<f64>,
     /// Print verdict.json instead of the table
     #[arg(long)]
     json: bool,
@@ -78,7 +81,13 @@ impl Run {
         let script = Script::read(&self.script, &self.set, &catalogue)
             .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", self.script.display()), None))?;
         let out = self.out.clone().unwrap_or_else(|| default_folder(&self.script));
-        let wanted = Wanted { out, fail_fast: self.fail_fast, record: self.record.is_none(), files: Vec::new() };
+        let wanted = Wanted {
+            out,
+            fail_fast: self.fail_fast,
+            record: self.record.is_none(),
+            pace: self.pace,
+            files: Vec::new(),
+        };
         preparation::prepare(script, wanted)
     }
 
@@ -92,5 +101,18 @@ impl Run {
         let replay = replay_command(&outcome.script, &verdict.parameters, &units);
         let text = report::table::report(&outcome.heading(), verdict, &replay);
         report::result(&(text + &next_lines(outcome.folder.path(), self.record.is_none())));
+    }
+}
+
+fn pace(text: &str) -> Result<f64, String> {
+    let pace = text.parse().ok().filter(|pace: &f64| *pace > 0.0 && pace.is_finite());
+    pace.ok_or_else(|| "a number above zero, for example 1 for real time".to_owned())
+}
+
+#[test]
+fn a_pace_is_a_number_above_zero() {
+    assert_eq!(pace("0.5"), Ok(0.5));
+    for none in ["0", "-1", "inf", "NaN", "fast"] {
+        assert!(pace(none).is_err(), "{none}");
     }
 }

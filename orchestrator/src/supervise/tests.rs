@@ -37,6 +37,7 @@ impl Run {
             folder: home.path().to_owned(),
             board: home.path().join("board"),
             fail_fast: false,
+            pace: None,
             record: true,
         };
         let board = Board::private(&BoardLayout { notes: 1, columns: 1, claims: 2 }).unwrap();
