@@ -4,6 +4,8 @@
 
 mod boarding;
 mod pace;
+#[cfg(test)]
+mod tests;
 mod told;
 
 use crate::claims::Claims;

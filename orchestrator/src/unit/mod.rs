@@ -4,6 +4,8 @@
 //! [`instance`], and arrives in `fmus/<unit>/src/lib.rs` or in anybody else's unit.
 #![allow(unsafe_code, reason = "libraries are foreign code, and the board is memory that another process maps")]
 
+#[cfg(test)]
+pub mod allocations;
 pub mod archive;
 pub mod board;
 pub mod describe;
