@@ -1,8 +1,8 @@
 //! What a run costs from the command line to its files, beside a hand-written loop, real time and patience.
 //!
 //! `cargo bench -p orchestrator --bench whole_process` runs the built `lockstep` on chains of units of the export layer,
-//! recording nothing and everything, in turn with the hand-written loop over the same units; then `first_flight`; then
-//! the shortest run of its units.
+//! recording nothing and everything, in turn with the hand-written loop over the same units, which itself writes nothing,
+//! or the same numbers; then `first_flight`; then the shortest run of its units.
 #![expect(unsafe_code, reason = "the hand-written loop calls through raw function pointers, as it must")]
 #![expect(clippy::print_stdout, reason = "this is what a benchmark is for")]
 
@@ -13,8 +13,9 @@ mod peer;
 use peer::table::{Table, alternate};
 use peer::{Unit, packed};
 use std::error::Error;
-use std::fmt::Write;
-use std::fs;
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -23,33 +24,68 @@ const UNITS: usize = 10;
 const BLOCKS: usize = 9;
 const FIRST_FLIGHT_S: f64 = 84.0;
 
+type Took = Result<Duration, Box<dyn Error>>;
+
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
     let table = Table::begin("a step of a unit; a whole run, beside a loop by hand");
-    for (ports, ticks) in [(1, 500_000), (30, 100_000)] {
-        let unit = Unit::exported(ports)?;
-        let script = folder.path().join(format!("chain_{ports}.scn"));
-        fs::write(&script, chain(&packed(ports)?, ticks)?)?;
-        let run = |arguments: &[&str]| lockstep(&script, folder.path(), arguments);
-        for (what, arguments, limit) in [("nothing", &["--record", "none"][..], 1.25), ("everything", &[], 3.0)] {
-            let name = format!("{UNITS} units, {ports} in and {ports} out, {what} recorded");
-            let measure = || alternate(BLOCKS, || run(arguments), || unit.by_hand(UNITS, ticks));
-            table.row(&name, Some(limit), || Ok(measure()?.each(UNITS as u64 * ticks)))?;
-        }
+    for (ports, unrecorded, recorded) in [(1, 2_000_000, 500_000), (30, 500_000, 50_000)] {
+        chains(&table, folder.path(), ports, unrecorded, recorded)?;
     }
-    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize()?;
-    let of = |peer_s: f64| move || Ok(Duration::from_secs_f64(peer_s));
     let table = Table::begin("\na run as a user sees it");
-    let script = repository.join("scenarios/first_flight.scn");
+    as_seen(&table, folder.path())
+}
+
+/// Chains of units with so many ports, that run for so many ticks without a trace and with one.
+fn chains(table: &Table, folder: &Path, ports: usize, unrecorded: u64, recorded: u64) -> Result<(), Box<dyn Error>> {
+    let (archive, unit) = (packed(ports)?, Unit::exported(ports)?);
+    let run = |ticks, arguments: &[&str]| {
+        let script = folder.join(format!("chain_{ports}_{ticks}.scn"));
+        fs::write(&script, chain(&archive, ticks)?)?;
+        lockstep(&script, folder, arguments)
+    };
+    let row = |what: &str, limit, ticks, run: &dyn Fn() -> Took, by_hand: &dyn Fn() -> Took| {
+        let name = format!("{UNITS} units, {ports} in and {ports} out, {what}");
+        table.row(&name, limit, || Ok(alternate(BLOCKS, run, by_hand)?.each(UNITS as u64 * ticks)))
+    };
+    let nothing = || run(unrecorded, &["--record", "none"]);
+    row("nothing recorded", Some(1.25), unrecorded, &nothing, &|| unit.by_hand(UNITS, unrecorded))?;
+    let everything = || run(recorded, &[]);
+    row("everything recorded", Some(3.0), recorded, &everything, &|| unit.by_hand(UNITS, recorded))?;
+    let writes = || by_hand_recorded(&unit, recorded, &folder.join("by_hand.csv"));
+    row("beside one that writes", None, recorded, &everything, &writes)?;
+    Ok(())
+}
+
+/// The hand-written loop writes the numbers that `lockstep run` writes: time, and both ends of all connections.
+fn by_hand_recorded(unit: &Unit, ticks: u64, trace: &Path) -> Took {
+    let mut out = BufWriter::with_capacity(1 << 18, File::create(trace)?);
+    let count = unit.inputs.len();
+    unit.by_hand_telling(UNITS, ticks, |time_s, inputs, outputs| {
+        let mut digits = zmij::Buffer::new();
+        out.write_all(digits.format(time_s).as_bytes())?;
+        for value in inputs[count..].iter().chain(&outputs[..(UNITS - 1) * count]) {
+            out.write_all(b",")?;
+            out.write_all(digits.format(*value).as_bytes())?;
+        }
+        out.write_all(b"\n")
+    })
+}
+
+/// What a user waits for.
+fn as_seen(table: &Table, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize()?;
     let run = |script: &Path| lockstep(script, &repository, &[]);
-    let flight = || alternate(BLOCKS, || run(&script), of(FIRST_FLIGHT_S));
-    table.row("first_flight, beside real time", Some(1.0 / 200.0), flight)?;
-    let script = folder.path().join("start.scn");
+    let of = |peer_s: f64| move || Ok(Duration::from_secs_f64(peer_s));
+    let flight = repository.join("scenarios/first_flight.scn");
+    let measure = || alternate(BLOCKS, || run(&flight), of(FIRST_FLIGHT_S));
+    table.row("first_flight, beside real time", Some(1.0 / 200.0), measure)?;
+    let script = folder.join("start.scn");
     let units = ["trajectory", "wind", "quadcopter_controller", "quadcopter"];
     let instances: String = (0..).zip(units).map(|(i, unit)| format!("fmu u{i} = \"{unit}\"\n")).collect();
     fs::write(&script, format!("scenario \"Start\"\nstep 5 ms\nstop 5 ms\n{instances}record u3.height\n"))?;
-    let start = || alternate(2 * BLOCKS, || run(&script), of(1.0));
-    table.row("one tick of its four packed units, beside a second", Some(0.2), start)?;
+    let measure = || alternate(2 * BLOCKS, || run(&script), of(1.0));
+    table.row("one tick of its four packed units, beside a second", Some(0.2), measure)?;
     Ok(())
 }
 
@@ -66,7 +102,7 @@ fn chain(unit: &Path, ticks: u64) -> Result<String, Box<dyn Error>> {
 }
 
 /// Runs a script from a folder; its results go away with the next run.
-fn lockstep(script: &Path, from: &Path, arguments: &[&str]) -> Result<Duration, Box<dyn Error>> {
+fn lockstep(script: &Path, from: &Path, arguments: &[&str]) -> Took {
     let out: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join("whole_process");
     let begun = Instant::now();
     let run = Command::new(env!("CARGO_BIN_EXE_lockstep"))
