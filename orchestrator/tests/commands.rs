@@ -106,7 +106,7 @@ fn what_is_wrong_before_the_first_step_is_usage_and_leaves_no_folder() {
         (vec!["--input", "in.csv"], "error: in.csv:1:6: the unit has no variable `v`"),
         (vec!["--input", "none.csv"], "error: cannot read none.csv: No such file"),
         (vec!["--set", "y2 = 1"], "`unit` has no variable `y2`"),
-        (vec!["--stop", "0.25s"], "0.25 s does not fall on the 100 ms grid"),
+        (vec!["--step", "100ms", "--stop", "0.25s"], "--stop"),
         (vec!["--stop", "soon"], "expected a time such as 10s"),
     ];
     for (arguments, words) in wrong {

@@ -5,9 +5,10 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::Path;
+use std::process::Stdio;
 use tempfile::TempDir;
 use tests::foreign::Foreign;
-use tests::program::run;
+use tests::program::{Said, command, repository, run};
 
 const SCRIPT: &str = "scenario \"A unit follows a ramp\"\nstep 100 ms\nstop 300 ms\nparam slope = 1\n\
                       fmu probe = \"foreign.fmu\"\nslope * time / 1 s -> probe.u\n\
@@ -236,4 +237,13 @@ fn diff_tells_the_first_tick_and_port_that_differ_and_by_how_much() {
         assert_eq!((unreadable.code, unreadable.out.as_str()), (Some(2), ""));
         assert!(unreadable.err.starts_with(&format!("error: {words}")), "{}", unreadable.err);
     }
+}
+
+#[test]
+fn results_that_nobody_can_read_are_no_success() {
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let ended = command(&repository(), &["describe"]).stdout(full).stderr(Stdio::piped()).output().unwrap();
+    let said = Said::from(ended);
+    assert_eq!(said.code, Some(2), "{}", said.err);
+    assert!(said.err.starts_with("error: cannot write to standard output: "), "{}", said.err);
 }

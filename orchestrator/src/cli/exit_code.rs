@@ -12,9 +12,9 @@ const OK: u8 = 0;
 /// A claim failed.
 const FAILED: u8 = 1;
 /// The script or the command line is wrong: anything before the first unit is instantiated.
-const USAGE: u8 = 2;
+pub(super) const USAGE: u8 = 2;
 /// The run broke: anything from there on.
-const BROKEN: u8 = 3;
+pub(super) const BROKEN: u8 = 3;
 /// There are claims and none was judged.
 const UNJUDGED: u8 = 4;
 /// The user interrupted.

@@ -48,7 +48,11 @@ impl Cli {
     /// Runs the command and returns the exit code of the process.
     #[must_use]
     pub fn run(self) -> u8 {
-        match self.command {
+        let lost = match self.command {
+            Command::Run(_) | Command::Simulate(_) => exit_code::BROKEN,
+            _ => exit_code::USAGE,
+        };
+        let reached = match self.command {
             Command::Run(run) => run.run(),
             Command::Check(check) => check.run(),
             Command::Simulate(simulate) => simulate.run(),
@@ -59,7 +63,8 @@ impl Cli {
             Command::Diff(diff) => diff.run(),
             Command::StepLoop => u8::from(crate::child::run().is_err()),
             Command::DescribeLibrary { path } => describe_library(&path),
-        }
+        };
+        if report::results_were_lost() { lost } else { reached }
     }
 }
 

@@ -8,6 +8,7 @@ pub mod progress;
 pub mod table;
 
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Prints one line on standard error: what is being done now.
 pub fn status(text: &str) {
@@ -15,10 +16,24 @@ pub fn status(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-/// Prints results on standard output; whoever reads them may stop early.
+/// Whether results did not reach standard output.
+static LOST: AtomicBool = AtomicBool::new(false);
+
+/// Prints results on standard output. Whoever reads them may stop early; any other failure is told, and remembered for
+/// the exit code.
 pub fn result(text: &str) {
     let mut out = io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    let Err(refused) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) else { return };
+    if refused.kind() != io::ErrorKind::BrokenPipe {
+        LOST.store(true, Ordering::Relaxed);
+        error(&format!("cannot write to standard output: {refused}"), None);
+    }
+}
+
+/// Whether results did not reach standard output, though somebody was listening.
+#[must_use]
+pub fn results_were_lost() -> bool {
+    LOST.load(Ordering::Relaxed)
 }
 
 /// Prints an error with its help on standard error.
