@@ -34,7 +34,6 @@ pub fn run() -> io::Result<()> {
     let board = Arc::new(Board::open(&plan.board)?);
     end_with_parent();
     fly(&plan, &board);
-    board.finish();
     Ok(())
 }
 

@@ -9,8 +9,6 @@ use serde::{Deserialize, Serialize};
 pub enum Message {
     /// A unit's own log message, printf arguments already in place.
     Log(LogMessage),
-    /// Something that the user should see, though the run goes on.
-    Warning(String),
     /// The run ended by itself; nothing follows.
     Finished(Finish),
     /// The run broke; nothing follows but words of units that are freed.

@@ -219,7 +219,6 @@ impl<'a, W: Write> Supervision<'a, W> {
     fn hear(&mut self, message: Message) {
         match message {
             Message::Log(said) => self.console.say(&last_words::log_line(&said, &self.plan.scenario)),
-            Message::Warning(text) => self.console.say(&format!("warning: {text}")),
             Message::Finished(finish) => self.finish = Some(finish),
             Message::Broken(failure) => self.failure = Some(failure),
         }

@@ -10,13 +10,12 @@ use crate::unit::board::{Board, ClaimNote};
 pub struct Told<'a> {
     board: &'a Board,
     pace: Option<Pace>,
-    tick: u64,
 }
 
 impl<'a> Told<'a> {
     /// Tells this board, no faster than this pace.
     pub fn new(board: &'a Board, pace: Option<Pace>) -> Self {
-        Self { board, pace, tick: 0 }
+        Self { board, pace }
     }
 }
 
@@ -26,7 +25,6 @@ impl Witness for Told<'_> {
         if let Some(pace) = &mut self.pace {
             pace.wait_for(tick, || self.board.stop_requested());
         }
-        self.tick = tick;
         self.board.set_tick(tick);
     }
 
@@ -37,22 +35,19 @@ impl Witness for Told<'_> {
 
     #[inline]
     fn row(&mut self, tick: u64, row: &[u64]) {
-        // A row that nobody waits for any more is dropped, and the wish to stop stands on the board already.
         self.board.push_row(tick, row);
     }
 
     fn claim(&mut self, claim: usize, standing: Standing) {
         let Standing { verdict, margin, worst_tick } = standing;
-        self.board.set_claim(claim, &ClaimNote { verdict: verdict as u8, margin, worst_tick, tested: self.tick + 1 });
+        self.board.set_claim(claim, &ClaimNote { verdict: verdict as u8, margin, worst_tick });
     }
 }
 
 /// Puts a message on the board.
 pub fn message(board: &Board, message: &Message) {
     match postcard::to_stdvec(message) {
-        Ok(bytes) => {
-            board.push_message(&bytes);
-        }
+        Ok(bytes) => assert!(board.push_message(&bytes), "a message of {} bytes is longer than the ring", bytes.len()),
         Err(error) => unreachable!("a message could not be encoded: {error}"),
     }
 }

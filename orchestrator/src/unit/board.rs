@@ -52,8 +52,6 @@ const COLUMNS_AT: usize = 2;
 const CLAIMS_AT: usize = 3;
 const TICK_AT: usize = 8;
 const STOP_AT: usize = 9;
-const ABANDONED_AT: usize = 10;
-const FINISHED_AT: usize = 11;
 
 /// Where each part begins, in words.
 #[derive(Clone, Copy, Debug)]
@@ -161,10 +159,8 @@ impl Board {
     }
 
     /// Adds a row; while the ring is full this waits for the parent. For one thread at a time.
-    ///
-    /// False if the row was dropped because the run was [abandoned](Self::abandon).
-    pub fn push_row(&self, tick: u64, slots: &[u64]) -> bool {
-        self.rows.push(self.mapping.words(), self.word(ABANDONED_AT), tick, slots)
+    pub fn push_row(&self, tick: u64, slots: &[u64]) {
+        self.rows.push(self.mapping.words(), tick, slots);
     }
 
     /// Hands over all rows that are there, in order, and says how many they were.
@@ -174,10 +170,9 @@ impl Board {
 
     /// Adds a message; any thread may, and while the ring is full it waits for the parent.
     ///
-    /// False if it was dropped: the run was [abandoned](Self::abandon), or the message is longer than
-    /// [`Board::LONGEST_MESSAGE`].
+    /// False if it was dropped because it is longer than [`Board::LONGEST_MESSAGE`].
     pub fn push_message(&self, message: &[u8]) -> bool {
-        self.messages.push(self.mapping.words(), self.word(ABANDONED_AT), message)
+        self.messages.push(self.mapping.words(), message)
     }
 
     /// The bytes of the longest message that [`Board::push_message`] takes.
@@ -225,22 +220,6 @@ impl Board {
     #[must_use]
     pub fn stop_requested(&self) -> bool {
         self.word(STOP_AT).load(Ordering::Acquire) != 0
-    }
-
-    /// Says that nobody reads the rings any more: whoever waits for room in them goes on, and what does not fit is lost.
-    pub fn abandon(&self) {
-        self.word(ABANDONED_AT).store(1, Ordering::Release);
-    }
-
-    /// Says that the run is over and everything has been told; the last word of a stepping process.
-    pub fn finish(&self) {
-        self.word(FINISHED_AT).store(1, Ordering::Release);
-    }
-
-    /// Whether the run said that it is over.
-    #[must_use]
-    pub fn finished(&self) -> bool {
-        self.word(FINISHED_AT).load(Ordering::Acquire) != 0
     }
 }
 

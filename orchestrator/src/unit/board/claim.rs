@@ -7,7 +7,7 @@ pub(super) const CLAIM_WORDS: usize = 16;
 
 const COUNT_AT: usize = 0;
 const COPIES_AT: usize = 4;
-const COPY_WORDS: usize = 4;
+const COPY_WORDS: usize = 3;
 
 /// Reading gives up its wish for a copy that nobody wrote in the meantime after so many tries.
 const TRIES: usize = 100;
@@ -21,8 +21,6 @@ pub struct ClaimNote {
     pub margin: f64,
     /// The tick of the worst point.
     pub worst_tick: u64,
-    /// How many samples were judged.
-    pub tested: u64,
 }
 
 impl ClaimNote {
@@ -34,7 +32,6 @@ impl ClaimNote {
         copy[0].store(u64::from(self.verdict), Ordering::Relaxed);
         copy[1].store(self.margin.to_bits(), Ordering::Relaxed);
         copy[2].store(self.worst_tick, Ordering::Relaxed);
-        copy[3].store(self.tested, Ordering::Relaxed);
         words[COUNT_AT].store(count, Ordering::Release);
     }
 
@@ -51,7 +48,6 @@ impl ClaimNote {
                 verdict: u8::try_from(copy[0]).unwrap_or(u8::MAX),
                 margin: f64::from_bits(copy[1]),
                 worst_tick: copy[2],
-                tested: copy[3],
             });
             if words[COUNT_AT].load(Ordering::Relaxed) == count {
                 break;

@@ -43,26 +43,22 @@ impl Place {
         &words[at..at + self.stride]
     }
 
-    /// Waits until `slots` more fit behind `head`; false if nobody will ever read them.
-    fn wait_for_room(self, words: &[AtomicU64], abandoned: &AtomicU64, head: u64, slots: u64) -> bool {
+    /// Waits until `slots` more fit behind `head`.
+    fn wait_for_room(self, words: &[AtomicU64], head: u64, slots: u64) {
         let control = self.control(words);
         let fits = |tail: u64| head.wrapping_sub(tail).saturating_add(slots) <= self.capacity as u64;
         if fits(control[SEEN_AT].load(Ordering::Relaxed)) {
             // Whoever wrote this had acquired the reader's position before.
-            return true;
+            return;
         }
         for attempt in 0_usize.. {
             let tail = control[TAIL_AT].load(Ordering::Acquire);
             if fits(tail) {
                 control[SEEN_AT].store(tail, Ordering::Relaxed);
-                return true;
-            }
-            if abandoned.load(Ordering::Acquire) != 0 {
-                return false;
+                return;
             }
             if attempt < SPINS { spin_loop() } else { sleep(NAP) }
         }
-        unreachable!("waiting has no end of its own")
     }
 }
 
@@ -113,20 +109,17 @@ impl Rows {
         Self { place, reader: Reader::new(place, words) }
     }
 
-    pub fn push(&self, words: &[AtomicU64], abandoned: &AtomicU64, tick: u64, slots: &[u64]) -> bool {
+    pub fn push(&self, words: &[AtomicU64], tick: u64, slots: &[u64]) {
         assert_eq!(slots.len() + 1, self.place.stride, "a row has as many values as the board has columns");
         let control = self.place.control(words);
         let head = control[HEAD_AT].load(Ordering::Relaxed);
-        if !self.place.wait_for_room(words, abandoned, head, 1) {
-            return false;
-        }
+        self.place.wait_for_room(words, head, 1);
         let (first, rest) = self.place.slot(words, head).split_first().unwrap_or_else(|| unreachable!("a tick"));
         first.store(tick, Ordering::Relaxed);
         for (word, &value) in rest.iter().zip(slots) {
             word.store(value, Ordering::Relaxed);
         }
         control[HEAD_AT].store(head.wrapping_add(1), Ordering::Release);
-        true
     }
 
     pub fn pop(&self, words: &[AtomicU64], mut each: impl FnMut(u64, &[u64])) -> usize {
@@ -167,7 +160,7 @@ impl Messages {
         Self { place, writer: Mutex::new(()), reader: Reader::new(place, words) }
     }
 
-    pub fn push(&self, words: &[AtomicU64], abandoned: &AtomicU64, message: &[u8]) -> bool {
+    pub fn push(&self, words: &[AtomicU64], message: &[u8]) -> bool {
         let needed = 1 + message.len().div_ceil(8);
         if needed > self.place.capacity {
             return false;
@@ -175,9 +168,7 @@ impl Messages {
         let _one_at_a_time = lock(&self.writer);
         let control = self.place.control(words);
         let head = control[HEAD_AT].load(Ordering::Relaxed);
-        if !self.place.wait_for_room(words, abandoned, head, needed as u64) {
-            return false;
-        }
+        self.place.wait_for_room(words, head, needed as u64);
         let chunks = message.chunks(8).map(|chunk| {
             let mut word = [0; 8];
             word[..chunk.len()].copy_from_slice(chunk);
