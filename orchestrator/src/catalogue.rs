@@ -37,8 +37,12 @@ impl Catalogue {
     /// Looks at the workspace around `current`; `build` is false for `--no-build`.
     ///
     /// # Errors
-    /// If a `Cargo.toml` of that workspace cannot be read.
+    /// If one of the folders or a `Cargo.toml` of that workspace cannot be read.
     pub fn new(folders: Vec<PathBuf>, current: &Path, build: bool) -> Result<Self, pack::PackError> {
+        for folder in &folders {
+            let unreadable = |source| pack::PackError::File { path: folder.clone(), doing: "read", source };
+            std::fs::read_dir(folder).map_err(unreadable)?;
+        }
         Ok(Self { folders, workspace: Workspace::around(current)?, build })
     }
 
@@ -145,6 +149,14 @@ mod tests {
         let catalogue = Catalogue::new(vec![root.path().join("packed")], root.path(), false).unwrap();
         assert_eq!(catalogue.entries().len(), 1);
         assert_eq!(catalogue.find("tank", root.path()).unwrap(), packed);
+    }
+
+    #[test]
+    fn a_folder_of_units_that_is_not_there_is_an_error() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = root.path().join("nope");
+        let error = Catalogue::new(vec![folder.clone()], root.path(), false).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("cannot read {}: ", folder.display())), "{error}");
     }
 
     #[test]

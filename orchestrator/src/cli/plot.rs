@@ -2,6 +2,7 @@
 
 use crate::plot::{Selection, draw};
 use crate::report;
+use crate::trace::run_folder::PLOT_SVG;
 use crate::trace::table::{Table, notes};
 use std::ffi::OsStr;
 use std::path::PathBuf;
@@ -47,7 +48,7 @@ impl Plot {
                 return 2;
             }
         };
-        let beside = if self.run.is_dir() { self.run.join("plot.svg") } else { self.run.with_extension("svg") };
+        let beside = if self.run.is_dir() { self.run.join(PLOT_SVG) } else { self.run.with_extension("svg") };
         let out = self.out.unwrap_or(beside);
         if let Err(error) = std::fs::write(&out, picture) {
             report::error(&format!("cannot write {}: {error}", out.display()), None);

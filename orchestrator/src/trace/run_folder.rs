@@ -19,8 +19,11 @@ pub const VERDICT_JSON: &str = "verdict.json";
 /// What a file is called until it is whole.
 pub const PARTIAL: &str = ".partial";
 
-/// What a run writes besides its record; an earlier run's are removed before a new one begins.
-const RESULTS: [&str; 3] = [TRACE_CSV, SIGNALS_JSON, VERDICT_JSON];
+/// The picture that `lockstep plot` draws of a run.
+pub const PLOT_SVG: &str = "plot.svg";
+
+/// What stands in the folder besides the record; an earlier run's are removed before a new one begins.
+const RESULTS: [&str; 4] = [TRACE_CSV, SIGNALS_JSON, VERDICT_JSON, PLOT_SVG];
 
 /// A folder that this run owns until it is dropped.
 #[derive(Debug)]
