@@ -119,7 +119,7 @@ fn json_is_the_verdict_and_nothing_else() {
     assert_eq!(verdict["time_s"], 0.3);
     let claim = |i: usize| ["name", "verdict", "margin", "unit", "at_s"].map(|key| verdict["claims"][i][key].clone());
     assert_eq!(json!(claim(0)), json!(["low", "ok", 5.0 - 0.11600000000000002, "m", 0.3]));
-    assert_eq!(json!(claim(1)), json!(["lost", "failed", -10.6, "cm", 0.3]));
+    assert_eq!(json!(claim(1)), json!(["lost", "failed", (0.01 - 0.11600000000000002) / 0.01, "cm", 0.3]));
 }
 
 #[test]
