@@ -1,6 +1,6 @@
 //! Claims judged online: each takes one sample a tick and always knows how it stands.
 //!
-//! A claim is a [`claim::AtStart`] over [`stream::Stream`]s. All memory is there before the first sample, so that
+//! A claim is a `claim::AtStart` over `stream::Stream`s. All memory is there before the first sample, so that
 //! taking one allocates nothing. Next on the walk: `trace/` and `report/`.
 
 mod claim;
