@@ -61,10 +61,21 @@ impl Cli {
             Command::New(new) => new.run(),
             Command::Plot(plot) => plot.run(),
             Command::Diff(diff) => diff.run(),
-            Command::StepLoop => u8::from(crate::child::run().is_err()),
+            Command::StepLoop => step_loop(),
             Command::DescribeLibrary { path } => describe_library(&path),
         };
         if report::results_were_lost() { lost } else { reached }
+    }
+}
+
+/// Steps the plan on standard input; what keeps it from beginning is told, since no board can tell it.
+fn step_loop() -> u8 {
+    match crate::child::run() {
+        Ok(()) => 0,
+        Err(error) => {
+            report::error(&error, None);
+            1
+        }
     }
 }
 
