@@ -6,7 +6,7 @@ use crate::preparation::Preparation;
 use crate::report;
 use crate::report::console::{Console, Style};
 use crate::report::table::{Ending, Heading};
-use crate::supervise::{Ended, Orders, SuperviseError, supervise};
+use crate::supervise::{Ended, Orders, Placement, SuperviseError, supervise};
 use crate::trace::csv::TraceFile;
 use crate::trace::run_folder::{RunFolder, SIGNALS_JSON, TRACE_CSV, VERDICT_JSON};
 use crate::trace::run_record::{Broken, RunRecord, RunState};
@@ -22,6 +22,8 @@ pub struct Manner {
     pub style: Style,
     /// How long a call of a unit may take; zero waits for ever.
     pub step_timeout: Duration,
+    /// Where the instances live.
+    pub placement: Placement,
 }
 
 /// A run that is over.
@@ -77,7 +79,8 @@ fn look_after(plan: &Plan, folder: &RunFolder, manner: Manner) -> Result<Ended, 
     let program = program.map_err(|error| SuperviseError::Start { doing: "find this program", error })?;
     let trace = begin_trace(folder, plan).map_err(SuperviseError::Trace)?;
     let step_timeout = (!manner.step_timeout.is_zero()).then_some(manner.step_timeout);
-    supervise(&Orders { plan, program, step_timeout }, trace, &mut Console::stderr(manner.style))
+    let orders = Orders { plan, program, step_timeout, placement: manner.placement };
+    supervise(&orders, trace, &mut Console::stderr(manner.style))
 }
 
 /// Notes, and tells as far as the caller will not, what broke a run that left no results.

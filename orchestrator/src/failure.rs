@@ -42,6 +42,8 @@ pub enum Cause {
     Exit(i32),
     /// The call did not return within this many seconds.
     Hung(f64),
+    /// The process of the instance gave no sign of life for this many seconds.
+    Silent(f64),
     /// A variable got a value that is no number.
     NonFinite {
         /// The variable.
@@ -123,6 +125,7 @@ impl fmt::Display for Failure {
                 write!(f, " {what} (exit code {code}) {place}")?;
             }
             Cause::Hung(limit_s) => write!(f, " has been {place} for {limit_s} s,")?,
+            Cause::Silent(limit_s) => write!(f, ": no sign of life from its process for {limit_s} s, {place}")?,
             Cause::NonFinite { variable, value } => write!(f, ": `{variable}` is {value}")?,
             Cause::Other(text) => {
                 let comma = if self.time_s.is_some() { "," } else { "" };
@@ -163,6 +166,7 @@ mod tests {
             told("plan", Doing::Call(Call::FreeInstance), Some(60.0), Cause::Exit(0)),
             told("plan", step, Some(12.34), Cause::Hung(10.0)),
             told("plan", Doing::Load, None, Cause::Hung(0.5)),
+            told("plan", step, Some(12.34), Cause::Silent(2.0)),
             told(
                 "quad",
                 Doing::Call(Call::GetReal),

@@ -22,6 +22,8 @@ pub struct LogMessage {
     pub instance: Option<usize>,
     /// The tick of the call in which it was said.
     pub tick: u64,
+    /// The tick at which that call's result counts: it is told then, wherever the instance is.
+    pub counts_at: u64,
     /// The status as the unit gave it.
     pub status: RawStatus,
     /// The category as the unit gave it.

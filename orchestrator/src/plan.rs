@@ -38,10 +38,12 @@ pub struct PlannedUnit {
     pub folder: PathBuf,
     /// What its `modelDescription.xml` says.
     pub description: ModelDescription,
+    /// SHA-256 of its archive.
+    pub sha256: String,
 }
 
 /// Paths as the bytes that they are: not every path is UTF-8.
-mod path_bytes {
+pub(crate) mod path_bytes {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
     use std::ffi::OsString;
     use std::os::unix::ffi::{OsStrExt, OsStringExt};
@@ -60,7 +62,8 @@ mod path_bytes {
 fn a_path_that_is_no_utf_8_comes_through() {
     use std::os::unix::ffi::OsStrExt;
     let folder = PathBuf::from(std::ffi::OsStr::from_bytes(b"/tmp/caf\xe9"));
-    let unit = PlannedUnit { name: "a".to_owned(), folder, description: ModelDescription::default() };
+    let (name, description, sha256) = ("a".to_owned(), ModelDescription::default(), String::new());
+    let unit = PlannedUnit { name, folder, description, sha256 };
     let read: PlannedUnit = postcard::from_bytes(&postcard::to_stdvec(&unit).unwrap()).unwrap();
     assert_eq!(read.folder, unit.folder);
 }

@@ -6,7 +6,7 @@ use crate::report::{error_text, status};
 use crate::script::Script;
 use crate::trace::run_folder::RunFolder;
 use crate::trace::run_record::{HashedFile, Host, RunRecord, RunState, now, sha256};
-use crate::unit::archive::unpack;
+use crate::unit::archive::{Unpacked, unpack};
 use dsl::scenario::{Scenario, Value};
 use fmi2::description::{Finding, Severity};
 use std::io::IsTerminal;
@@ -15,6 +15,8 @@ use tempfile::TempDir;
 
 /// How many findings about one unit a run mentions.
 const FINDINGS_TOLD: usize = 3;
+/// How the name of a run's private folder begins.
+const HOME_PREFIX: &str = "lockstep-";
 
 /// What a run is asked for besides its script.
 #[derive(Clone, Debug)]
@@ -79,7 +81,7 @@ pub fn prepare(mut script: Script, wanted: Wanted) -> Result<Preparation, Refusa
         status(rendered.trim_end());
     }
     let files = files_of(&scenario, &script.folder)?.into_iter().chain(wanted.files).collect();
-    let home = TempDir::with_prefix("lockstep-")
+    let home = TempDir::with_prefix(HOME_PREFIX)
         .map_err(|error| Refusal::new(&format!("cannot make a folder for the units: {error}"), None))?;
     let (units, hashes) = unpack_all(&script, home.path())?;
     let record = record(&script, &scenario, hashes, files);
@@ -95,6 +97,15 @@ pub fn prepare(mut script: Script, wanted: Wanted) -> Result<Preparation, Refusa
         units,
     };
     Ok(Preparation { plan, record, folder, home, script: script.name })
+}
+
+/// Takes away the private folder of a run whose owner was killed. Several processes may do so at once.
+pub fn remove_home(home: &Path) {
+    let name = home.file_name().map(|name| name.to_string_lossy().into_owned());
+    if name.is_some_and(|name| name.starts_with(HOME_PREFIX)) {
+        // What another one has removed meanwhile is no concern.
+        std::fs::remove_dir_all(home).ok();
+    }
 }
 
 fn unit_of(units: &[PlannedUnit], name: &str) -> usize {
@@ -120,8 +131,9 @@ fn unpack_all(script: &Script, home: &Path) -> Result<(Vec<PlannedUnit>, Vec<Has
         for line in finding_lines(&unit.name, &unit.archive, &unit.findings) {
             status(&line);
         }
-        hashes.push(HashedFile { name: unit.name.clone(), sha256: unpacked.sha256 });
-        units.push(PlannedUnit { name: unit.name.clone(), folder: unpacked.folder, description: unpacked.description });
+        let Unpacked { folder, description, sha256, .. } = unpacked;
+        hashes.push(HashedFile { name: unit.name.clone(), sha256: sha256.clone() });
+        units.push(PlannedUnit { name: unit.name.clone(), folder, description, sha256 });
     }
     Ok((units, hashes))
 }

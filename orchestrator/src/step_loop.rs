@@ -17,7 +17,7 @@ use crate::failure::Failure;
 use crate::message::{Finish, Reason};
 use crate::values::Values;
 use crate::wiring::Wiring;
-use crate::worker::{Order, Terminated, Ticket, Worker};
+use crate::worker::{Leaving, Order, Terminated, Ticket, Worker};
 
 /// What a run may be told besides its scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -187,9 +187,9 @@ impl<'a, W: Witness> StepLoop<'a, W> {
     ///
     /// # Errors
     /// The first in the script's order that refused.
-    pub fn close(&mut self) -> Result<(), Failure> {
+    pub fn close(&mut self, leaving: Leaving) -> Result<(), Failure> {
         let tick = self.samples.saturating_sub(1);
-        let lost = self.workers.iter_mut().filter_map(|worker| worker.finish(tick).err());
+        let lost = self.workers.iter_mut().filter_map(|worker| worker.finish(tick, leaving).err());
         let lost: Vec<_> = lost.collect();
         lost.into_iter().min_by_key(|lost| lost.instance).map_or(Ok(()), |lost| Err(lost.failure))
     }

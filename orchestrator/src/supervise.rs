@@ -1,12 +1,13 @@
-//! The parent of a run: starts the stepping process, carries what it tells to files and people, and says how it ended.
+//! Looks after a run: starts whatever steps it, carries what that tells to files and people, and says how it ended.
 //!
-//! Whatever a unit does to the stepping process, the rows up to there and the call in which it happened are here.
+//! Whatever a unit does to the stepping process, the rows up to there and the call in which it happened are here. Where
+//! each instance has a process of its own the loop runs in a thread of this one, and all else is the same.
 
 mod last_words;
 mod stepping_process;
 #[cfg(test)]
 mod tests;
-mod watchdog;
+mod words;
 
 use crate::claims::Verdict;
 use crate::failure::{Cause, Failure};
@@ -18,17 +19,19 @@ use crate::trace::TraceError;
 use crate::trace::csv::TraceFile;
 use crate::trace::verdict::{Finding, JudgedClaim, Judgement};
 use crate::unit::board::{Board, BoardLayout, InCall};
+use crate::watchdog::Watchdog;
 use crate::wiring::seconds;
+pub use last_words::{cause_of_death, failure};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use std::io::{self, Write};
 use std::path::PathBuf;
-use std::process::ExitStatus;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use std::{fmt, thread};
 pub use stepping_process::SUBCOMMAND;
 use stepping_process::SteppingProcess;
-use watchdog::Watchdog;
+use words::Words;
 
 /// How long the parent sleeps when nothing came, and when something did.
 const IDLE: Duration = Duration::from_millis(5);
@@ -47,6 +50,32 @@ pub struct Orders<'a> {
     pub program: PathBuf,
     /// How long a call of a unit may take; `None` waits for ever.
     pub step_timeout: Option<Duration>,
+    /// Where the instances live.
+    pub placement: Placement,
+}
+
+/// Where the instances of a run live. What comes of it is the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Placement {
+    /// All of them in one process, with the loop.
+    #[default]
+    Together,
+    /// Each in a process of its own; the loop is here.
+    #[cfg(feature = "bus")]
+    Isolated,
+}
+
+/// What steps a run, seen from the one who looks after it.
+pub trait Stepping {
+    /// If it is over: why, should it count as broken since it did not say that it was done. All that it told is on the
+    /// board then.
+    ///
+    /// # Errors
+    /// The system does not tell.
+    fn ended(&mut self) -> io::Result<Option<Cause>>;
+
+    /// Ends it at once; [`Stepping::ended`] tells when that has happened.
+    fn kill(&mut self);
 }
 
 /// How a run ended.
@@ -116,7 +145,7 @@ fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError 
 /// Runs a plan to its end. Rows go to `trace`, which is whole when this returns.
 ///
 /// # Errors
-/// If the stepping process cannot be started or the trace not be written; the stepping process is gone then too.
+/// If what steps cannot be started or the trace not be written; no process of the run is left then either.
 pub fn supervise<W: Write>(
     orders: &Orders,
     trace: Option<TraceFile>,
@@ -125,24 +154,42 @@ pub fn supervise<W: Write>(
     let plan = orders.plan;
     let columns = if plan.record { plan.scenario.columns.len() } else { 0 };
     let layout = BoardLayout { notes: 1, columns, claims: plan.scenario.claims.len() };
-    let board = Board::create(&plan.board, &layout).map_err(start_error("make the board of the run"))?;
-    let mut signals = Signals::new([SIGINT, SIGTERM]).map_err(start_error("listen for Ctrl-C"))?;
-    let mut process =
-        SteppingProcess::start(&orders.program, plan).map_err(start_error("start the stepping process"))?;
-    let mut run = Supervision::new(orders, &board, trace, console);
+    let signals = Signals::new([SIGINT, SIGTERM]).map_err(start_error("listen for Ctrl-C"))?;
+    match orders.placement {
+        Placement::Together => {
+            let board = Board::create(&plan.board, &layout).map_err(start_error("make the board of the run"))?;
+            let process =
+                SteppingProcess::start(&orders.program, plan).map_err(start_error("start the stepping process"))?;
+            look_after(process, signals, Supervision::new(orders, &board, trace, console))
+        }
+        #[cfg(feature = "bus")]
+        Placement::Isolated => {
+            let board = Board::private(&layout).map_err(start_error("make the board of the run"))?;
+            let board = Arc::new(board);
+            let loop_here = crate::bus::Isolated::start(orders, &board).map_err(start_error("start the workers"))?;
+            look_after(loop_here, signals, Supervision::new(orders, &board, trace, console))
+        }
+    }
+}
+
+fn look_after<W: Write>(
+    mut stepping: impl Stepping,
+    mut signals: Signals,
+    mut run: Supervision<'_, W>,
+) -> Result<Ended, SuperviseError> {
     loop {
-        // Asked before the rings are emptied: what it said before it ended is in them.
-        let status = process.ended().map_err(start_error("look after the stepping process"))?;
+        // Asked before the rings are emptied: what was said before it ended is in them.
+        let over = stepping.ended().map_err(start_error("look after what steps the run"))?;
         let began = Instant::now();
         let drained = run.drain();
-        if let Some(status) = status {
-            return run.conclude(status, drained.err());
+        if let Some(cause) = over {
+            return run.conclude(cause, drained.err());
         }
         let busy = drained.map_err(|error| SuperviseError::unwritten(run.failure.take(), error))?;
         for _ in signals.pending() {
-            run.interrupt(&mut process);
+            run.interrupt(&mut stepping);
         }
-        run.watch(&mut process);
+        run.watch(&mut stepping);
         run.tell_progress();
         if !busy {
             thread::sleep(IDLE);
@@ -162,6 +209,7 @@ struct Supervision<'a, W: Write> {
     saved: Instant,
     began: Instant,
     polled: Instant,
+    words: Words,
     calls: Option<Watchdog<InCall>>,
     farewell: Watchdog<()>,
     last_row: Option<u64>,
@@ -181,7 +229,9 @@ impl<'a, W: Write> Supervision<'a, W> {
             saved: now,
             began: now,
             polled: now,
-            calls: orders.step_timeout.map(Watchdog::new),
+            words: Words::default(),
+            // Where each instance has a process of its own, whoever awaits its answer has a watch.
+            calls: orders.step_timeout.filter(|_| orders.placement == Placement::Together).map(Watchdog::new),
             farewell: Watchdog::new(FAREWELL),
             last_row: None,
             finish: None,
@@ -192,6 +242,8 @@ impl<'a, W: Write> Supervision<'a, W> {
 
     /// Takes everything out of the rings; says whether there was something.
     fn drain(&mut self) -> Result<bool, TraceError> {
+        // Asked before the rings are emptied: all that counts before this tick was said before it was reached.
+        let reached = self.board.tick();
         let (trace, last_row) = (&mut self.trace, &mut self.last_row);
         let mut refused = None;
         let rows = self.board.pop_rows(|tick, slots| {
@@ -209,6 +261,12 @@ impl<'a, W: Write> Supervision<'a, W> {
                 Err(error) => self.console.say(&format!("warning: a message of a unit could not be read: {error}")),
             }
         }
+        for said in self.words.before(reached) {
+            self.console.say(&last_words::log_line(&said, &self.plan.scenario));
+        }
+        if self.words.are_many() {
+            self.tell_all_words();
+        }
         if refused.is_none() && self.saved.elapsed() >= SAVE_EVERY {
             self.saved = Instant::now();
             refused = self.trace.as_mut().and_then(|trace| trace.save().err());
@@ -218,30 +276,36 @@ impl<'a, W: Write> Supervision<'a, W> {
 
     fn hear(&mut self, message: Message) {
         match message {
-            Message::Log(said) => self.console.say(&last_words::log_line(&said, &self.plan.scenario)),
+            Message::Log(said) => self.words.hear(said),
             Message::Finished(finish) => self.finish = Some(finish),
             Message::Broken(failure) => self.failure = Some(failure),
         }
     }
 
+    fn tell_all_words(&mut self) {
+        for said in self.words.all() {
+            self.console.say(&last_words::log_line(&said, &self.plan.scenario));
+        }
+    }
+
     /// The first time asks the loop to end, the second time ends it.
-    fn interrupt(&mut self, process: &mut SteppingProcess) {
+    fn interrupt(&mut self, stepping: &mut impl Stepping) {
         self.interrupts += 1;
         if self.interrupts == 1 {
             self.board.request_stop();
             self.console.say("ending after this step; once more ends at once");
         } else {
-            process.kill();
+            stepping.kill();
         }
     }
 
     /// Ends a process that has been in one call for too long, or that does not go after its last word.
-    fn watch(&mut self, process: &mut SteppingProcess) {
+    fn watch(&mut self, stepping: &mut impl Stepping) {
         let since = self.polled.elapsed();
         self.polled = Instant::now();
         if self.finish.is_some() || self.failure.is_some() {
             if self.farewell.bites(since, Some(())) {
-                process.kill();
+                stepping.kill();
             }
             return;
         }
@@ -249,9 +313,8 @@ impl<'a, W: Write> Supervision<'a, W> {
         let call = self.board.note(0).read();
         if calls.bites(since, call) {
             let limit_s = calls.limit().as_secs_f64();
-            self.failure =
-                Some(last_words::failure(call, self.board.tick(), &self.plan.scenario, Cause::Hung(limit_s)));
-            process.kill();
+            self.failure = Some(failure(call, self.board.tick(), &self.plan.scenario, Cause::Hung(limit_s)));
+            stepping.kill();
         }
     }
 
@@ -267,14 +330,14 @@ impl<'a, W: Write> Supervision<'a, W> {
         });
     }
 
-    /// The process is gone and the rings are empty; `refused` is why their last rows could not be written.
-    fn conclude(mut self, status: ExitStatus, refused: Option<TraceError>) -> Result<Ended, SuperviseError> {
+    /// What stepped is gone and the rings are empty; `refused` is why their last rows could not be written.
+    fn conclude(mut self, cause: Cause, refused: Option<TraceError>) -> Result<Ended, SuperviseError> {
+        self.tell_all_words();
         self.console.clear();
         let killed_by_user = self.interrupts > 1;
         if self.finish.is_none() && self.failure.is_none() && !killed_by_user {
-            let cause = last_words::cause_of_death(status);
             let call = self.board.note(0).read();
-            self.failure = Some(last_words::failure(call, self.board.tick(), &self.plan.scenario, cause));
+            self.failure = Some(failure(call, self.board.tick(), &self.plan.scenario, cause));
         }
         if let Some(error) = refused.or_else(|| self.trace.take()?.finish().err()) {
             return Err(SuperviseError::unwritten(self.failure, error));

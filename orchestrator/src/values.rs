@@ -2,10 +2,11 @@
 
 use dsl::scenario::Value;
 use fmi2::description::{BaseType, Kind, Variable};
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// One array for each base type. Booleans are held as units exchange them, 0 or 1.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Values {
     /// `fmi2Real`
     pub reals: Vec<f64>,
@@ -69,6 +70,20 @@ impl Values {
         self.integers[ranges.integers.clone()].copy_from_slice(&from.integers[ranges.integers.clone()]);
         self.booleans[ranges.booleans.clone()].copy_from_slice(&from.booleans[ranges.booleans.clone()]);
         self.texts[ranges.texts.clone()].clone_from_slice(&from.texts[ranges.texts.clone()]);
+    }
+
+    /// Copies one value of another block to a slot of the same type.
+    ///
+    /// # Panics
+    /// If the slots are of different types.
+    pub fn copy_slot(&mut self, to: Slot, from: &Self, at: Slot) {
+        assert_eq!(to.base, at.base, "a value is copied to a slot of its type");
+        match to.base {
+            BaseType::Real => self.reals[to.index] = from.reals[at.index],
+            BaseType::Integer => self.integers[to.index] = from.integers[at.index],
+            BaseType::Boolean => self.booleans[to.index] = from.booleans[at.index],
+            BaseType::String => self.texts[to.index].clone_from(&from.texts[at.index]),
+        }
     }
 
     /// Stores a value of the script.

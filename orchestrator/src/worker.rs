@@ -11,6 +11,7 @@ pub use in_process::{InProcess, Seating};
 use crate::failure::Failure;
 use crate::values::Values;
 use crate::wiring::Pick;
+use serde::{Deserialize, Serialize};
 
 /// Inputs for one group, and the word to step from `tick` on for the group's period.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +39,7 @@ pub struct Reply {
 }
 
 /// An instance has ended by itself (`fmi2Discard` with `fmi2Terminated`).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Terminated {
     /// The instance.
     pub instance: usize,
@@ -47,12 +48,21 @@ pub struct Terminated {
 }
 
 /// A step that brought nothing: the run breaks, when the result would have been due.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Lost {
     /// The instance: where several are lost at once, the first in the script is told.
     pub instance: usize,
     /// Instance, call, time and cause.
     pub failure: Failure,
+}
+
+/// How a run takes leave of its workers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Leaving {
+    /// It came to its end: whatever goes wrong now counts.
+    InPeace,
+    /// It broke: nobody is waited for.
+    AtOnce,
 }
 
 /// Holds instances for a run. Made with its instances set up and in initialization mode; the time that a reply may take
@@ -93,5 +103,5 @@ pub trait Worker {
     ///
     /// # Errors
     /// The first that refused, after all others were freed.
-    fn finish(&mut self, tick: u64) -> Result<(), Lost>;
+    fn finish(&mut self, tick: u64, leaving: Leaving) -> Result<(), Lost>;
 }

@@ -74,8 +74,12 @@ struct Flown {
 fn fly(scenario: Scenario, foreign: &Foreign) -> Flown {
     let (folder, fmu) = foreign.build();
     let unpacked = unpack(&fmu, &folder.path().join("unpacked")).unwrap();
-    let unit =
-        PlannedUnit { name: "foreign.fmu".to_owned(), folder: unpacked.folder, description: unpacked.description };
+    let unit = PlannedUnit {
+        name: "foreign.fmu".to_owned(),
+        folder: unpacked.folder,
+        description: unpacked.description,
+        sha256: unpacked.sha256,
+    };
     let layout = BoardLayout { notes: 1, columns: scenario.columns.len(), claims: 0 };
     let unit_of = vec![0; scenario.instances.len()];
     let (folder, board) = (PathBuf::new(), PathBuf::new());

@@ -53,7 +53,8 @@ fn by_loop(unit: &Unit, units: usize, ticks: u64) -> Result<Duration, Box<dyn Er
     let claims = Claims::new(&[], ticks, &mut |port| wiring.place(port));
     let seatings = unit.instances(units)?.into_iter().enumerate();
     let seatings = seatings.map(|(index, instance)| Seating { index, instance }).collect();
-    let worker: Box<dyn Worker> = Box::new(InProcess::new(&wiring, seatings, unit.board.note(0)));
+    let worker: Box<dyn Worker> =
+        Box::new(InProcess::new(wiring.step_ns, &wiring.groups, &wiring.members, seatings, unit.board.note(0)));
     let mut run = StepLoop::new(wiring, claims, vec![worker], Wishes::default(), Nobody { board: &unit.board });
     let begun = Instant::now();
     let finish = run.run();

@@ -1,10 +1,8 @@
-//! Brings the units on board: libraries are loaded, instances made, their values set, initialization begun.
+//! Brings units on board: libraries are loaded, instances made, their values set, initialization begun.
 
-use super::told::message;
 use crate::failure::{Cause, Doing, Failure};
-use crate::message::Message;
-use crate::plan::{Plan, PlannedUnit};
-use crate::unit::board::{Board, Now};
+use crate::plan::PlannedUnit;
+use crate::unit::board::{Note, Now};
 use crate::unit::instance::{Instance, Setting};
 use crate::unit::library::Library;
 use crate::unit::logger::LogSink;
@@ -13,64 +11,97 @@ use dsl::scenario::{Preset, Value};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Brings all instances of a plan into initialization mode, in the script's order. Whoever is aboard when one fails stays
-/// there, so that the caller can tell the failure before a unit is freed.
+/// Who is to come on board.
+#[derive(Clone, Copy, Debug)]
+pub struct Passenger<'a> {
+    /// The index in the scenario.
+    pub index: usize,
+    /// The name in the script.
+    pub name: &'a str,
+    /// The index of its unit.
+    pub unit: usize,
+    /// What is set before initialization.
+    pub presets: &'a [Preset],
+}
+
+/// Where to board, and who hears of it.
+pub struct Gate<'a> {
+    /// The units.
+    pub units: &'a [PlannedUnit],
+    /// The folder that `file("…")` is relative to.
+    pub folder: &'a Path,
+    /// The note of the thread that makes the calls.
+    pub note: Note,
+    /// Where messages of units go.
+    pub sink: LogSink,
+}
+
+impl Gate<'_> {
+    /// Brings instances so far that initialization can begin, in their order. Whoever is aboard when one fails stays
+    /// there, so that the caller can tell the failure before a unit is freed.
+    ///
+    /// # Errors
+    /// The first instance that could not be brought so far.
+    pub fn admit<'p>(
+        &self,
+        passengers: impl IntoIterator<Item = Passenger<'p>>,
+        aboard: &mut Vec<Seating>,
+    ) -> Result<(), Failure> {
+        let start = || self.note.at(0, 0.0);
+        let mut libraries: Vec<Option<Arc<Library>>> = vec![None; self.units.len()];
+        for Passenger { index, name, unit, presets } in passengers {
+            let library = match &libraries[unit] {
+                Some(library) => Arc::clone(library),
+                None => self.load(&self.units[unit], name, index)?,
+            };
+            libraries[unit] = Some(Arc::clone(&library));
+            let (note, sink) = (self.note.clone(), Arc::clone(&self.sink));
+            let setting = Setting { name, index, note, sink, logging_on: false };
+            let instance = Instance::instantiate(&library, setting)?;
+            let Seating { instance, .. } = aboard.push_mut(Seating { index, instance });
+            for preset in presets {
+                self.set(instance, &start(), preset, &self.units[unit])?;
+            }
+            instance.setup_experiment(&start())?;
+        }
+        Ok(())
+    }
+
+    fn load(&self, unit: &PlannedUnit, name: &str, index: usize) -> Result<Arc<Library>, Failure> {
+        let library = Library::load(&unit.folder, &unit.description, &self.note, index);
+        library.map(Arc::new).map_err(|error| Failure {
+            instance: Some(name.to_owned()),
+            doing: Doing::Load,
+            time_s: None,
+            cause: Cause::Other(error.to_string()),
+        })
+    }
+
+    fn set(
+        &self,
+        instance: &mut Instance,
+        start: &Now<'_>,
+        preset: &Preset,
+        unit: &PlannedUnit,
+    ) -> Result<(), Failure> {
+        let reference = &[unit.description.variables[preset.variable].value_reference];
+        match &preset.value {
+            Value::Real(value) => instance.set_real(start, reference, &[*value]),
+            Value::Integer(value) => instance.set_integer(start, reference, &[*value]),
+            Value::Boolean(value) => instance.set_boolean(start, reference, &[i32::from(*value)]),
+            Value::String(text) => instance.set_string(start, reference, std::slice::from_ref(text)),
+            Value::File(path) => {
+                let path = self.folder.join(path).to_string_lossy().into_owned();
+                instance.set_string(start, reference, &[path])
+            }
+        }
+    }
+}
+
+/// Begins initialization of all instances, in their order.
 ///
 /// # Errors
-/// The first instance that could not be brought so far.
-pub fn instances(plan: &Plan, board: &Arc<Board>, aboard: &mut Vec<Seating>) -> Result<(), Failure> {
-    let sink: LogSink = {
-        let board = Arc::clone(board);
-        Arc::new(move |said| message(&board, &Message::Log(said)))
-    };
-    let note = board.note(0);
-    let start = || note.at(0, 0.0);
-    let mut libraries: Vec<Option<Arc<Library>>> = vec![None; plan.units.len()];
-    for (index, planned) in plan.scenario.instances.iter().enumerate() {
-        let unit = &plan.units[plan.unit_of[index]];
-        let library = match &libraries[plan.unit_of[index]] {
-            Some(library) => Arc::clone(library),
-            None => load(unit, &planned.name, index, board)?,
-        };
-        libraries[plan.unit_of[index]] = Some(Arc::clone(&library));
-        let (note, sink) = (note.clone(), Arc::clone(&sink));
-        let setting = Setting { name: &planned.name, index, note, sink, logging_on: false };
-        let instance = Instance::instantiate(&library, setting)?;
-        let Seating { instance, .. } = aboard.push_mut(Seating { index, instance });
-        for preset in &planned.presets {
-            set(instance, &start(), preset, unit, &plan.folder)?;
-        }
-        instance.setup_experiment(&start())?;
-    }
-    aboard.iter_mut().try_for_each(|seating| seating.instance.enter_initialization_mode(&start()))
-}
-
-fn load(unit: &PlannedUnit, name: &str, index: usize, board: &Board) -> Result<Arc<Library>, Failure> {
-    let library = Library::load(&unit.folder, &unit.description, &board.note(0), index);
-    library.map(Arc::new).map_err(|error| Failure {
-        instance: Some(name.to_owned()),
-        doing: Doing::Load,
-        time_s: None,
-        cause: Cause::Other(error.to_string()),
-    })
-}
-
-fn set(
-    instance: &mut Instance,
-    start: &Now<'_>,
-    preset: &Preset,
-    unit: &PlannedUnit,
-    folder: &Path,
-) -> Result<(), Failure> {
-    let reference = &[unit.description.variables[preset.variable].value_reference];
-    match &preset.value {
-        Value::Real(value) => instance.set_real(start, reference, &[*value]),
-        Value::Integer(value) => instance.set_integer(start, reference, &[*value]),
-        Value::Boolean(value) => instance.set_boolean(start, reference, &[i32::from(*value)]),
-        Value::String(text) => instance.set_string(start, reference, std::slice::from_ref(text)),
-        Value::File(path) => {
-            let path = folder.join(path).to_string_lossy().into_owned();
-            instance.set_string(start, reference, &[path])
-        }
-    }
+/// The first that refused.
+pub fn enter_initialization(aboard: &mut [Seating], note: &Note) -> Result<(), Failure> {
+    aboard.iter_mut().try_for_each(|seating| seating.instance.enter_initialization_mode(&note.at(0, 0.0)))
 }

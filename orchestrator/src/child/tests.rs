@@ -75,7 +75,8 @@ fn a_long_flight_asks_for_memory_as_often_as_a_short_one() {
     let unpacked = unpack(&fmu, &folder.path().join("unpacked")).unwrap();
     let allocations = |ticks| {
         let (name, folder) = ("foreign.fmu".to_owned(), unpacked.folder.clone());
-        let units = vec![PlannedUnit { name, folder, description: unpacked.description.clone() }];
+        let (description, sha256) = (unpacked.description.clone(), unpacked.sha256.clone());
+        let units = vec![PlannedUnit { name, folder, description, sha256 }];
         let (folder, board) = (PathBuf::new(), PathBuf::new());
         let plan = Plan {
             scenario: scenario(ticks),
@@ -89,7 +90,10 @@ fn a_long_flight_asks_for_memory_as_often_as_a_short_one() {
         };
         let layout = BoardLayout { notes: 1, columns: plan.scenario.columns.len(), claims: plan.scenario.claims.len() };
         let board = Arc::new(Board::private(&layout).unwrap());
-        let mut run = step_loop(&plan, &board, boarded(&plan, &board));
+        let wiring = wire(&plan, &[0, 0]);
+        let worker =
+            InProcess::new(wiring.step_ns, &wiring.groups, &wiring.members, boarded(&plan, &board), board.note(0));
+        let mut run = step_loop(&plan, &board, wiring, vec![Box::new(worker)]);
         let mut finish = None;
         let count = allocations::during(|| finish = run.run().ok());
         assert_eq!(finish, Some(Finish { last_tick: ticks, reason: Reason::StopTime }));
@@ -101,6 +105,6 @@ fn a_long_flight_asks_for_memory_as_often_as_a_short_one() {
 
 fn boarded(plan: &Plan, board: &Arc<Board>) -> Vec<Seating> {
     let mut aboard = Vec::new();
-    boarding::instances(plan, board, &mut aboard).unwrap();
+    board_all(plan, board, &mut aboard).unwrap();
     aboard
 }

@@ -9,6 +9,8 @@ pub mod pack;
 pub mod plot;
 pub mod run;
 pub mod simulate;
+#[cfg(feature = "bus")]
+pub mod worker;
 
 use crate::report;
 use crate::unit::describe::library_description;
@@ -36,6 +38,9 @@ enum Command {
     /// What a run starts to hold the units; not for people
     #[command(hide = true)]
     StepLoop,
+    #[cfg(feature = "bus")]
+    #[command(hide = true)]
+    Worker(worker::Worker),
     /// What packing starts to ask a library for its description; not for people
     #[command(hide = true)]
     DescribeLibrary {
@@ -62,6 +67,8 @@ impl Cli {
             Command::Plot(plot) => plot.run(),
             Command::Diff(diff) => diff.run(),
             Command::StepLoop => step_loop(),
+            #[cfg(feature = "bus")]
+            Command::Worker(worker) => worker.run(),
             Command::DescribeLibrary { path } => describe_library(&path),
         };
         if report::results_were_lost() { lost } else { reached }
@@ -109,6 +116,14 @@ mod tests {
         assert!(matches!(started, Ok(Command::StepLoop)));
     }
 
+    #[cfg(feature = "bus")]
+    #[test]
+    fn a_worker_is_started_with_a_command_that_exists() {
+        let started = ["lockstep", crate::bus::SUBCOMMAND, "--once", "--home", "/tmp/lockstep-x", "3"];
+        let started = Cli::try_parse_from(started).map(|cli| cli.command);
+        assert!(matches!(started, Ok(Command::Worker(_))));
+    }
+
     #[test]
     fn a_library_is_asked_with_a_command_that_exists() {
         let asked = ["lockstep", crate::unit::describe::SUBCOMMAND, "libtank.so"];
@@ -118,8 +133,8 @@ mod tests {
 
     #[test]
     fn a_flag_that_this_version_does_not_have_is_refused() {
-        let refused = Cli::try_parse_from(["lockstep", "run", "a.scn", "--isolate"]).unwrap_err();
+        let refused = Cli::try_parse_from(["lockstep", "run", "a.scn", "--strict"]).unwrap_err();
         assert_eq!(refused.exit_code(), 2);
-        assert!(refused.to_string().contains("--isolate"), "{refused}");
+        assert!(refused.to_string().contains("--strict"), "{refused}");
     }
 }

@@ -7,6 +7,7 @@ use crate::report;
 use crate::report::console::Style;
 use crate::report::table::{next_lines, replay_command};
 use crate::script::Script;
+use crate::supervise::Placement;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -34,6 +35,10 @@ pub struct Run {
     /// Record nothing, whatever the script says
     #[arg(long, value_name = "none")]
     record: Option<Record>,
+    /// Give each instance a process of its own: the results are the same
+    #[cfg(feature = "bus")]
+    #[arg(long)]
+    isolate: bool,
     /// End as soon as a claim is lost
     #[arg(long)]
     fail_fast: bool,
@@ -69,11 +74,22 @@ impl Run {
     /// Runs the command and returns its exit code.
     #[must_use]
     pub fn run(&self) -> u8 {
-        let manner = Manner { style: Style::fitting(self.progress.is_some()), step_timeout: self.step_timeout };
+        let (style, step_timeout) = (Style::fitting(self.progress.is_some()), self.step_timeout);
+        let manner = Manner { style, step_timeout, placement: self.placement() };
         exit_code::reached(self.prepare(), manner, |outcome| {
             self.tell(outcome);
             Ok(())
         })
+    }
+
+    #[cfg(feature = "bus")]
+    fn placement(&self) -> Placement {
+        if self.isolate { Placement::Isolated } else { Placement::Together }
+    }
+
+    #[cfg(not(feature = "bus"))]
+    fn placement(&self) -> Placement {
+        Placement::Together
     }
 
     fn prepare(&self) -> Result<Preparation, Refusal> {

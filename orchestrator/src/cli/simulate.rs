@@ -11,6 +11,7 @@ use crate::preparation::{self, Preparation, Refusal, Wanted};
 use crate::report;
 use crate::report::console::Style;
 use crate::report::table::{heading_line, next_lines};
+use crate::supervise::Placement;
 use crate::trace::TraceError;
 use crate::trace::run_folder::TRACE_CSV;
 use crate::trace::run_record::{HashedFile, sha256};
@@ -61,7 +62,8 @@ impl Simulate {
     /// Runs the command and returns its exit code.
     #[must_use]
     pub fn run(&self) -> u8 {
-        let manner = Manner { style: Style::fitting(false), step_timeout: self.step_timeout };
+        let (style, placement) = (Style::fitting(false), Placement::Together);
+        let manner = Manner { style, step_timeout: self.step_timeout, placement };
         exit_code::reached(self.prepare(), manner, |outcome| self.tell(outcome))
     }
 

@@ -34,7 +34,8 @@ fn harmless(text: &str) -> String {
 }
 
 /// The failure of a process that was in this call, or in none, when it happened.
-pub(super) fn failure(call: Option<InCall>, tick: u64, scenario: &Scenario, cause: Cause) -> Failure {
+#[must_use]
+pub fn failure(call: Option<InCall>, tick: u64, scenario: &Scenario, cause: Cause) -> Failure {
     let time_s = |tick| Some(seconds(tick, scenario.step_ns));
     let Some(call) = call else {
         return Failure { instance: None, doing: Doing::BetweenCalls, time_s: time_s(tick), cause };
@@ -45,7 +46,8 @@ pub(super) fn failure(call: Option<InCall>, tick: u64, scenario: &Scenario, caus
 }
 
 /// What an exit status says about a process that had not said that it was done.
-pub(super) fn cause_of_death(status: ExitStatus) -> Cause {
+#[must_use]
+pub fn cause_of_death(status: ExitStatus) -> Cause {
     match (status.signal(), status.code()) {
         (Some(signal), _) => Cause::Signal(signal),
         (None, Some(code)) => Cause::Exit(code),
@@ -62,8 +64,14 @@ mod tests {
     #[test]
     fn a_units_words_come_with_time_instance_and_status() {
         let line = |instance, status, text: &str| {
-            let said =
-                LogMessage { instance, tick: 1234, status, category: "logStatusWarning".into(), text: text.into() };
+            let said = LogMessage {
+                instance,
+                tick: 1234,
+                counts_at: 1235,
+                status,
+                category: String::new(),
+                text: text.into(),
+            };
             log_line(&said, &scenario())
         };
         assert_eq!(line(Some(0), 1, "low battery: 7 %\n"), "12.34 s  quad  warning  low battery: 7 %");

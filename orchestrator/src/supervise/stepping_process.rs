@@ -3,6 +3,8 @@
 //! Its standard input stays open as long as the parent lives; that it closes tells the child that the parent is gone.
 //! What units print on either stream goes to the parent's standard error.
 
+use super::{Stepping, cause_of_death};
+use crate::failure::Cause;
 use crate::plan::Plan;
 use std::io::{self, Write};
 use std::os::fd::AsFd;
@@ -41,18 +43,18 @@ impl SteppingProcess {
         stdin.write_all(bytes)?;
         stdin.flush()
     }
+}
 
-    /// How it ended, if it did.
-    pub fn ended(&mut self) -> io::Result<Option<ExitStatus>> {
+impl Stepping for SteppingProcess {
+    fn ended(&mut self) -> io::Result<Option<Cause>> {
         if self.status.is_none() {
             // Not `wait`, which would close its standard input first.
             self.status = self.child.try_wait()?;
         }
-        Ok(self.status)
+        Ok(self.status.map(cause_of_death))
     }
 
-    /// Ends it at once.
-    pub fn kill(&mut self) {
+    fn kill(&mut self) {
         // It may be gone already; `ended` tells.
         let _ = self.child.kill();
     }

@@ -13,6 +13,7 @@ use fmi2::calls::Call;
 use fmi2::description::BaseType;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
+use std::process::ExitStatus;
 use tempfile::TempDir;
 
 const DIED_OF_SIGSEGV: i32 = 11;
@@ -65,10 +66,11 @@ impl Run {
         let column = CsvColumn { name: "quad.x".to_owned(), base_type: BaseType::Real };
         let trace = TraceFile::begin(folder.begin(TRACE_CSV).unwrap(), self.plan.scenario.step_ns, &[column]).unwrap();
         let mut console = Console::new(Vec::new(), Style::Tenths);
-        let orders = Orders { plan: &self.plan, program: PathBuf::new(), step_timeout: None };
+        let orders =
+            Orders { plan: &self.plan, program: PathBuf::new(), step_timeout: None, placement: Placement::Together };
         let mut supervision = Supervision::new(&orders, &self.board, Some(trace), &mut console);
         supervision.drain().unwrap();
-        let ended = supervision.conclude(ExitStatus::from_raw(status), None).unwrap();
+        let ended = supervision.conclude(cause_of_death(ExitStatus::from_raw(status)), None).unwrap();
         (ended, String::from_utf8(console.into_inner()).unwrap())
     }
 
@@ -129,10 +131,11 @@ fn what_the_run_says_about_its_break_counts_more_than_how_its_process_ended() {
 fn a_death_is_kept_when_the_last_rows_cannot_be_written() {
     let run = Run::new();
     let mut console = Console::new(Vec::new(), Style::Tenths);
-    let orders = Orders { plan: &run.plan, program: PathBuf::new(), step_timeout: None };
+    let orders =
+        Orders { plan: &run.plan, program: PathBuf::new(), step_timeout: None, placement: Placement::Together };
     let supervision = Supervision::new(&orders, &run.board, None, &mut console);
     let full = TraceError::io("write", Path::new("trace.csv"))(io::ErrorKind::StorageFull.into());
-    let error = supervision.conclude(ExitStatus::from_raw(DIED_OF_SIGSEGV), Some(full)).unwrap_err();
+    let error = supervision.conclude(Cause::Signal(DIED_OF_SIGSEGV), Some(full)).unwrap_err();
     let SuperviseError::Broken { failure, .. } = &error else { panic!("{error:?}") };
     assert_eq!(failure.cause, Cause::Signal(11));
     assert!(error.to_string().starts_with("cannot write trace.csv: "), "{error}");
@@ -151,7 +154,8 @@ fn what_units_say_is_printed_in_order() {
     let run = Run::new();
     for (tick, text) in [(1, "low battery"), (2, "empty battery")] {
         let category = "battery".to_owned();
-        run.say(&Message::Log(LogMessage { instance: Some(0), tick, status: 1, category, text: text.to_owned() }));
+        let (instance, counts_at, text) = (Some(0), tick, text.to_owned());
+        run.say(&Message::Log(LogMessage { instance, tick, counts_at, status: 1, category, text }));
     }
     let (_, printed) = run.concluded(EXITED_WITH_0);
     assert_eq!(printed, "0.01 s  quad  warning  low battery\n0.02 s  quad  warning  empty battery\n");
@@ -160,7 +164,12 @@ fn what_units_say_is_printed_in_order() {
 #[test]
 fn a_program_that_ends_at_once_breaks_the_run() {
     let run = Run::new();
-    let orders = Orders { plan: &run.plan, program: Path::new("/bin/true").to_owned(), step_timeout: None };
+    let orders = Orders {
+        plan: &run.plan,
+        program: Path::new("/bin/true").to_owned(),
+        step_timeout: None,
+        placement: Placement::Together,
+    };
     let mut console = Console::new(Vec::new(), Style::Tenths);
     let ended = supervise(&orders, None, &mut console).unwrap();
     assert_eq!(ended.failure.unwrap().to_string(), "the stepping process ended (exit code 0) between calls at 0 s");
@@ -169,7 +178,12 @@ fn a_program_that_ends_at_once_breaks_the_run() {
 #[test]
 fn a_program_that_cannot_be_started_is_an_error() {
     let run = Run::new();
-    let orders = Orders { plan: &run.plan, program: PathBuf::from("/no/such/program"), step_timeout: None };
+    let orders = Orders {
+        plan: &run.plan,
+        program: PathBuf::from("/no/such/program"),
+        step_timeout: None,
+        placement: Placement::Together,
+    };
     let error = supervise(&orders, None, &mut Console::new(Vec::new(), Style::Tenths)).unwrap_err().to_string();
     assert!(error.starts_with("cannot start the stepping process: "), "{error}");
 }

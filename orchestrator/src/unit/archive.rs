@@ -84,6 +84,18 @@ pub fn read_description(fmu: &Path) -> Result<(ModelDescription, Vec<Finding>), 
     description(&mut archive, &survey, fmu)
 }
 
+/// Reads the description of a unit that lies unpacked in a folder.
+///
+/// # Errors
+/// There is none, or it cannot be read.
+pub fn read_unpacked(folder: &Path) -> Result<ModelDescription, UnitError> {
+    let path = folder.join(DESCRIPTION);
+    let bytes = fs::read(&path).map_err(file_error("reading", &path))?;
+    read::read(&bytes)
+        .map(|(description, _)| description)
+        .map_err(|finding| Problem::new(finding.to_string()).at(&path))
+}
+
 /// Reads the description of a unit that this platform can load, without unpacking anything.
 ///
 /// # Errors

@@ -38,9 +38,10 @@ pub struct BoardLayout {
 
 /// First word of a board's file; the last digits count the versions of the layout.
 const MAGIC: u64 = 0x4c4f_434b_5354_0001;
-/// Bytes that the ring of rows takes, roughly: a power of two of rows, at least [`MIN_ROWS`].
+/// Bytes that the ring of rows takes, roughly: a power of two of rows, at least [`MIN_ROWS`] and at most [`MAX_ROWS`].
 const ROW_RING_BYTES: usize = 4 << 20;
 const MIN_ROWS: usize = 8;
+const MAX_ROWS: usize = 1 << 16;
 /// Words of the ring of messages.
 const MESSAGE_RING_WORDS: usize = (1 << 20) / 8;
 
@@ -52,6 +53,7 @@ const COLUMNS_AT: usize = 2;
 const CLAIMS_AT: usize = 3;
 const TICK_AT: usize = 8;
 const STOP_AT: usize = 9;
+const PULSE_AT: usize = 10;
 
 /// Where each part begins, in words.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +70,7 @@ impl BoardLayout {
     /// Where the parts lie, or `None` if the numbers are beyond any memory.
     fn places(&self) -> Option<Places> {
         let row_words = self.columns.checked_add(1)?;
-        let fitting = (ROW_RING_BYTES / 8 / row_words).max(MIN_ROWS);
+        let fitting = (ROW_RING_BYTES / 8 / row_words).clamp(MIN_ROWS, MAX_ROWS);
         let row_capacity = (fitting + 1).next_power_of_two() / 2;
         let notes = HEADER_WORDS;
         let claims = notes.checked_add(self.notes.checked_mul(NOTE_WORDS)?)?;
@@ -178,6 +180,12 @@ impl Board {
     /// The bytes of the longest message that [`Board::push_message`] takes.
     pub const LONGEST_MESSAGE: usize = (MESSAGE_RING_WORDS - 1) * 8;
 
+    /// Whether a message finds room without waiting.
+    #[must_use]
+    pub fn has_room_for(&self, message: &[u8]) -> bool {
+        self.messages.has_room_for(self.mapping.words(), message)
+    }
+
     /// Hands over all messages that are there, in order, and says how many they were.
     pub fn pop_messages(&self, each: impl FnMut(&[u8])) -> usize {
         self.messages.pop(self.mapping.words(), each)
@@ -209,6 +217,17 @@ impl Board {
     #[must_use]
     pub fn tick(&self) -> u64 {
         self.word(TICK_AT).load(Ordering::Acquire)
+    }
+
+    /// Gives a sign of life.
+    pub fn beat(&self) {
+        self.word(PULSE_AT).fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// How many signs of life there were.
+    #[must_use]
+    pub fn pulse(&self) -> u64 {
+        self.word(PULSE_AT).load(Ordering::Relaxed)
     }
 
     /// Asks the run to end after the tick that it is in.

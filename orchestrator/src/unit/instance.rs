@@ -300,7 +300,8 @@ impl Instance {
         if !std::mem::replace(&mut self.log.warned, true) {
             let text = format!("{} returned fmi2Warning (told once; the run goes on)", call.name());
             let (status, category) = (Status::Warning as RawStatus, "logStatusWarning".to_owned());
-            (self.log.sink)(LogMessage { instance: Some(self.index), tick: now.tick, status, category, text });
+            let (instance, tick, counts_at) = (Some(self.index), now.tick, now.counts_at);
+            (self.log.sink)(LogMessage { instance, tick, counts_at, status, category, text });
         }
     }
 

@@ -50,7 +50,8 @@ unsafe fn deliver(
         cut(&mut text);
         cut(&mut category);
         let instance = exact.then_some(environment.instance);
-        (environment.sink)(LogMessage { instance, tick: environment.note.tick(), status, category, text });
+        let (tick, counts_at) = (environment.note.tick(), environment.note.counts_at());
+        (environment.sink)(LogMessage { instance, tick, counts_at, status, category, text });
     }));
 }
 

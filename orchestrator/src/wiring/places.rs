@@ -184,6 +184,18 @@ impl Places {
 }
 
 impl Ports {
+    /// Gives variables of a unit places behind the values that are there; `None` if the unit has no such variable.
+    #[must_use]
+    pub fn place(variables: &[usize], description: &ModelDescription, values: &mut Values) -> Option<Self> {
+        let mut ports = Self::beginning_at(&values.end());
+        for &index in variables {
+            let variable = description.variables.get(index)?;
+            let slot = values.add(variable.base_type());
+            ports.add(Pick { slot, reference: variable.value_reference }, index);
+        }
+        Some(ports)
+    }
+
     fn beginning_at(end: &Ranges) -> Self {
         let span = |start| Span { start, ..Span::default() };
         Self {

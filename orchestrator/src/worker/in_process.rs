@@ -1,11 +1,11 @@
 //! Instances in this very process: an order is a few calls through function pointers.
 
-use super::{Lost, Order, Reply, Terminated, Ticket, Worker};
+use super::{Leaving, Lost, Order, Reply, Terminated, Ticket, Worker};
 use crate::failure::Failure;
 use crate::unit::board::{Note, Now};
 use crate::unit::instance::{Instance, StepResult};
 use crate::values::Values;
-use crate::wiring::{Group, Member, Pick, Ports, Span, Wiring, seconds};
+use crate::wiring::{Group, Member, Pick, Ports, Span, seconds};
 use fmi2::description::BaseType;
 use std::ops::Range;
 
@@ -64,6 +64,7 @@ struct Call {
 #[derive(Debug, Default)]
 struct Team {
     seats: Range<usize>,
+    every: u64,
     step_s: f64,
     lost: Option<Lost>,
     terminated: Vec<Terminated>,
@@ -72,9 +73,8 @@ struct Team {
 impl InProcess {
     /// Seats the instances of one worker, which notes its calls here.
     #[must_use]
-    pub fn new(wiring: &Wiring, seatings: Vec<Seating>, note: Note) -> Self {
-        let count = wiring.members.len();
-        let mut waiting: Vec<Option<Instance>> = std::iter::repeat_with(|| None).take(count).collect();
+    pub fn new(step_ns: u64, groups: &[Group], members: &[Member], seatings: Vec<Seating>, note: Note) -> Self {
+        let mut waiting: Vec<Option<Instance>> = std::iter::repeat_with(|| None).take(members.len()).collect();
         for seating in seatings {
             waiting[seating.index] = Some(seating.instance);
         }
@@ -83,16 +83,16 @@ impl InProcess {
             let first = seats.len();
             for &index in &group.instances {
                 if let Some(instance) = waiting[index].take() {
-                    let Member { inputs, outputs, .. } = &wiring.members[index];
+                    let Member { inputs, outputs, .. } = &members[index];
                     let (inputs, outputs) = (Calls::new(inputs), Calls::new(outputs));
                     seats.push(Seat { instance, inputs, outputs, index, failed: false });
                 }
             }
-            let step_s = seconds(group.every, wiring.step_ns);
-            Team { seats: first..seats.len(), step_s, lost: None, terminated: Vec::new() }
+            let step_s = seconds(group.every, step_ns);
+            Team { seats: first..seats.len(), every: group.every, step_s, lost: None, terminated: Vec::new() }
         };
-        let teams = wiring.groups.iter().map(&mut team).collect();
-        Self { note, step_ns: wiring.step_ns, seats, teams }
+        let teams = groups.iter().map(&mut team).collect();
+        Self { note, step_ns, seats, teams }
     }
 }
 
@@ -126,8 +126,9 @@ impl Worker for InProcess {
     }
 
     fn order(&mut self, order: &Order<'_>) -> Result<Ticket, Lost> {
-        let now = self.note.at(order.tick, seconds(order.tick, self.step_ns));
         let team = &mut self.teams[order.group];
+        let due_tick = order.tick + team.every;
+        let now = self.note.counting_at(order.tick, seconds(order.tick, self.step_ns), due_tick);
         for seat in &mut self.seats[team.seats.clone()] {
             match seat.set(&now, order.inputs).and_then(|()| seat.instance.do_step(&now, team.step_s)) {
                 Ok(StepResult::Done) => {}
@@ -156,7 +157,7 @@ impl Worker for InProcess {
         Ok(Reply { terminated: std::mem::take(&mut team.terminated) })
     }
 
-    fn finish(&mut self, tick: u64) -> Result<(), Lost> {
+    fn finish(&mut self, tick: u64, _: Leaving) -> Result<(), Lost> {
         let now = self.note.at(tick, seconds(tick, self.step_ns));
         let mut first = Ok(());
         self.seats.sort_by_key(|seat| seat.index);

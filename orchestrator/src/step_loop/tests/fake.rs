@@ -6,7 +6,7 @@ use crate::message::Finish;
 use crate::step_loop::{StepLoop, Wishes, Witness};
 use crate::values::Values;
 use crate::wiring::{Pick, Wiring};
-use crate::worker::{Lost, Order, Reply, Terminated, Ticket, Worker};
+use crate::worker::{Leaving, Lost, Order, Reply, Terminated, Ticket, Worker};
 use dsl::scenario::{
     Column, Connection, Drive, Event, Formula, InitialStep, Instance, Port, RealExpression, Scenario, Set, TickWindow,
 };
@@ -321,7 +321,7 @@ impl Worker for FakeWorker {
         Ok(Reply { terminated: std::mem::take(&mut self.terminated[ticket.group]) })
     }
 
-    fn finish(&mut self, _: u64) -> Result<(), Lost> {
+    fn finish(&mut self, _: u64, _: Leaving) -> Result<(), Lost> {
         Ok(())
     }
 }

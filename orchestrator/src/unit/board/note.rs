@@ -18,6 +18,7 @@ const TICK_AT: usize = 0;
 const COUNT_AT: usize = 1;
 /// `instance << 8 | doing`; the low byte is zero outside of calls.
 const DOING_AT: usize = 2;
+const COUNTS_AT: usize = 3;
 
 const OUTSIDE: u64 = 0;
 /// The code of [`Doing::Load`]; calls have their own numbers.
@@ -64,11 +65,18 @@ impl Note {
     /// Begins calls at one moment, the only ones of this thread until what is returned is dropped.
     #[inline]
     pub fn at(&self, tick: u64, time_s: f64) -> Now<'_> {
+        self.counting_at(tick, time_s, tick)
+    }
+
+    /// The same for calls whose result counts at a later tick.
+    #[inline]
+    pub fn counting_at(&self, tick: u64, time_s: f64, counts_at: u64) -> Now<'_> {
         let words = self.words();
         words[TICK_AT].store(tick, Ordering::Relaxed);
+        words[COUNTS_AT].store(counts_at, Ordering::Relaxed);
         let count = words[COUNT_AT].load(Ordering::Relaxed);
         words[COUNT_AT].store(count.wrapping_add(1), Ordering::Relaxed);
-        Now { note: self, tick, time_s }
+        Now { note: self, tick, time_s, counts_at }
     }
 
     /// The call in progress; `None` between calls, or if something else than a call was written here.
@@ -91,6 +99,12 @@ impl Note {
     pub fn tick(&self) -> u64 {
         self.words()[TICK_AT].load(Ordering::Relaxed)
     }
+
+    /// The tick at which the result of the last call counts.
+    #[must_use]
+    pub fn counts_at(&self) -> u64 {
+        self.words()[COUNTS_AT].load(Ordering::Relaxed)
+    }
 }
 
 /// A moment at which calls are made; when it is dropped, the note says that the thread makes none.
@@ -103,6 +117,8 @@ pub struct Now<'a> {
     pub tick: u64,
     /// The same in seconds, tick × step, which units and people want.
     pub time_s: f64,
+    /// The tick at which what the calls bring counts: a step's end for a step.
+    pub counts_at: u64,
 }
 
 impl Now<'_> {

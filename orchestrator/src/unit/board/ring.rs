@@ -144,6 +144,11 @@ impl Rows {
     }
 }
 
+/// Words that a message takes.
+fn words_of(message: &[u8]) -> usize {
+    1 + message.len().div_ceil(8)
+}
+
 /// Messages: a word with the length in bytes, then the bytes, filled up to whole words.
 #[derive(Debug)]
 pub(super) struct Messages {
@@ -161,7 +166,7 @@ impl Messages {
     }
 
     pub fn push(&self, words: &[AtomicU64], message: &[u8]) -> bool {
-        let needed = 1 + message.len().div_ceil(8);
+        let needed = words_of(message);
         if needed > self.place.capacity {
             return false;
         }
@@ -179,6 +184,13 @@ impl Messages {
         }
         control[HEAD_AT].store(head.wrapping_add(needed as u64), Ordering::Release);
         true
+    }
+
+    /// Whether a message finds room as far as the reader has come by now.
+    pub fn has_room_for(&self, words: &[AtomicU64], message: &[u8]) -> bool {
+        let _one_at_a_time = lock(&self.writer);
+        let [head, tail] = [HEAD_AT, TAIL_AT].map(|at| self.place.control(words)[at].load(Ordering::Acquire));
+        head.wrapping_sub(tail).saturating_add(words_of(message) as u64) <= self.place.capacity as u64
     }
 
     pub fn pop(&self, words: &[AtomicU64], mut each: impl FnMut(&[u8])) -> usize {

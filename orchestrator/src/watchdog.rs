@@ -1,25 +1,29 @@
-//! Whether a call takes too long, in time that the parent itself lived through.
+//! Whether something stays the same for too long, in time that the one who looks lived through.
 //!
-//! A parent that was suspended or starved counts little of the gap: the stepping process may have stood still with it.
+//! Whoever was suspended or starved counts little of the gap: what it looks at may have stood still with it.
 
 use std::time::Duration;
 
 /// The most that one look can count, however long ago the last one was.
 const LONGEST_LOOK: Duration = Duration::from_millis(100);
 
-/// Counts the time that the same call has been in progress.
+/// Counts the time that the same call has been in progress, or anything else has stayed the same.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Watchdog<T> {
+pub struct Watchdog<T> {
     limit: Duration,
     still: Duration,
     call: Option<T>,
 }
 
 impl<T: PartialEq> Watchdog<T> {
+    /// Bites at this limit.
+    #[must_use]
     pub fn new(limit: Duration) -> Self {
         Self { limit, still: Duration::ZERO, call: None }
     }
 
+    /// The limit.
+    #[must_use]
     pub fn limit(&self) -> Duration {
         self.limit
     }

@@ -1,0 +1,24 @@
+//! The bus: instances in processes of their own, over zenoh. The only place that names it.
+//!
+//! ```text
+//! lockstep run --isolate ── coordinator: step loop, claims, trace ── remote (a `Worker` like any other), one for each
+//!    │ starts, ends: fleet           │ orders: lockstep/<run>/do      ▲ replies: lockstep/<run>/done
+//!    ▼                               ▼                                │
+//! lockstep worker ── holds one instance: sets inputs, steps, gets outputs, nothing else ── worker_process
+//! ```
+//!
+//! The worker listens on a socket in the run's private folder, the coordinator dials, and nobody else is spoken to. A
+//! worker knows blocks of values and ticks; whatever the script says is computed in the coordinator, so that it cannot
+//! differ by where an instance lives.
+
+mod fleet;
+mod isolated;
+mod link;
+mod opening;
+mod remote;
+pub mod wire;
+mod worker_process;
+
+pub use fleet::SUBCOMMAND;
+pub use isolated::Isolated;
+pub use worker_process::{Address, serve};

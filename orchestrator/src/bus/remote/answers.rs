@@ -1,0 +1,222 @@
+//! Awaiting the answers of a worker, and telling what became of one that gives none.
+
+use super::{Asked, Remote, START_DEADLINE};
+use crate::bus::link::Heard;
+use crate::bus::opening::{Aside, Speaker};
+use crate::bus::wire::{Blocks, Header, Incoming, Malformed};
+use crate::failure::{Cause, Failure};
+use crate::message::Message;
+use crate::supervise::cause_of_death;
+use crate::unit::board::Board;
+use crate::watchdog::Watchdog;
+use crate::wiring::Member;
+use crate::worker::Lost;
+use std::path::Path;
+use std::sync::mpsc::RecvTimeoutError;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+use zenoh::bytes::ZBytes;
+
+/// How often somebody who waits looks around.
+const LOOK: Duration = Duration::from_millis(50);
+/// How often somebody who waits for a process to come up looks.
+const LOOK_AT_START: Duration = Duration::from_millis(2);
+/// A process that gives no sign of life for so long is frozen.
+const SIGN_OF_LIFE: Duration = Duration::from_secs(2);
+/// How long a process whose link is gone may take to end.
+const LAST_BREATH: Duration = Duration::from_secs(1);
+
+impl Remote<'_> {
+    /// Waits until the process listens.
+    pub(super) fn await_socket(&mut self) -> Result<(), Failure> {
+        let mut patience = Watchdog::new(START_DEADLINE);
+        let mut looked = Instant::now();
+        // What zenoh leaves beside the socket is there a moment before the socket.
+        while !is_there(&self.way.address.socket()) {
+            self.alive_at_start(&mut patience, looked.elapsed())?;
+            looked = Instant::now();
+            sleep(LOOK_AT_START);
+        }
+        Ok(())
+    }
+
+    /// Waits until orders reach the process.
+    pub(super) fn await_ready(&mut self) -> Result<(), Failure> {
+        let mut patience = Watchdog::new(START_DEADLINE);
+        loop {
+            let began = Instant::now();
+            match self.listen(LOOK) {
+                Ok(Heard::Ready) => return Ok(()),
+                Ok(Heard::Gone) | Err(RecvTimeoutError::Disconnected) => return Err(self.died(0).failure),
+                Ok(Heard::Message(_)) | Err(RecvTimeoutError::Timeout) => {}
+            }
+            self.alive_at_start(&mut patience, began.elapsed())?;
+        }
+    }
+
+    fn alive_at_start(&mut self, patience: &mut Watchdog<()>, since: Duration) -> Result<(), Failure> {
+        let number = self.way.address.number;
+        if self.way.fleet.is_abandoned() || self.way.fleet.ended(number).is_some() {
+            return Err(self.died(0).failure);
+        }
+        if patience.bites(since, Some(())) {
+            let text = format!("its worker did not come up within {} s", START_DEADLINE.as_secs());
+            return Err(self.give_up(0, Cause::Other(text)).failure);
+        }
+        Ok(())
+    }
+
+    fn listen(&self, patience: Duration) -> Result<Heard, RecvTimeoutError> {
+        match &self.link {
+            Some(link) => link.heard().recv_timeout(patience),
+            None => Err(RecvTimeoutError::Disconnected),
+        }
+    }
+
+    /// Awaits the reply to an order and tells what it says besides; `take` takes the values of its blocks.
+    ///
+    /// # Errors
+    /// What the worker says went wrong, or what became of it.
+    pub(super) fn answer(
+        &mut self,
+        asked: Asked,
+        take: impl FnOnce(&[(usize, Member)], &mut Blocks<'_>) -> Result<(), Malformed>,
+    ) -> Result<Aside, Lost> {
+        let message = self.hear(asked.header)?;
+        let message = message.to_bytes();
+        let said = self.understand(asked.header, &message, take);
+        let aside = said.map_err(|reason| {
+            self.give_up(asked.header.tick, Cause::Other(format!("its worker answered with {reason}")))
+        })?;
+        match aside.lost {
+            Some(lost) => Err(lost),
+            None => Ok(aside),
+        }
+    }
+
+    /// Awaits the reply to a step whose result nobody wants any more.
+    pub(super) fn overrun(&mut self, asked: Asked) -> Result<(), Lost> {
+        let message = self.hear(asked.header)?;
+        let message = message.to_bytes();
+        if let Some(aside) = Incoming::read(&message).ok().and_then(|message| Aside::read(message.aside)) {
+            aside.said.into_iter().for_each(|said| (self.sink)(said));
+        }
+        Ok(())
+    }
+
+    fn understand(
+        &self,
+        order: Header,
+        message: &[u8],
+        take: impl FnOnce(&[(usize, Member)], &mut Blocks<'_>) -> Result<(), Malformed>,
+    ) -> Result<Aside, String> {
+        let told = |malformed: Malformed| malformed.to_string();
+        let Incoming { header, mut blocks, aside } = Incoming::read(message).map_err(told)?;
+        self.fits(order, header)?;
+        if order.kind == crate::bus::wire::Kind::Hello {
+            let speaker: Speaker = serde_json::from_slice(aside).map_err(|_| Malformed::Aside.to_string())?;
+            return Speaker::this().agrees_with(&speaker).map(|()| Aside::default());
+        }
+        let mut aside = Aside::read(aside).ok_or_else(|| Malformed::Aside.to_string())?;
+        std::mem::take(&mut aside.said).into_iter().for_each(|said| (self.sink)(said));
+        if aside.lost.is_none() {
+            take(&self.members, &mut blocks).map_err(told)?;
+        }
+        blocks.end().map_err(told)?;
+        Ok(aside)
+    }
+
+    /// Whether a reply repeats what its order said.
+    fn fits(&self, order: Header, reply: Header) -> Result<(), String> {
+        let differ = |what: &str, found: u64, expected: u64| Err(format!("{what} {found}, expected {expected}"));
+        if order.kind.reply() != Some(reply.kind) {
+            return Err(format!("{:?} to {:?}", reply.kind, order.kind));
+        }
+        if reply.tick != order.tick {
+            return differ("values of tick", reply.tick, order.tick);
+        }
+        if reply.group != order.group {
+            return differ("values of group", reply.group.into(), order.group.into());
+        }
+        if reply.schema != self.schema {
+            return Err("values of another layout: its unit is not the one that was checked".to_owned());
+        }
+        Ok(())
+    }
+
+    /// Waits for the reply to an order.
+    fn hear(&mut self, order: Header) -> Result<ZBytes, Lost> {
+        if let Some(dead) = &self.dead {
+            return Err(dead.clone());
+        }
+        if let Some(early) = self.early.remove(&order.sequence) {
+            return Ok(early);
+        }
+        let mut calls = self.way.patience.map(Watchdog::new);
+        let mut pulse = self.way.patience.map(|_| Watchdog::new(SIGN_OF_LIFE));
+        loop {
+            let began = Instant::now();
+            match self.listen(LOOK) {
+                Ok(Heard::Message(message)) => match sequence_of(&message) {
+                    Some(sequence) if sequence == order.sequence => return Ok(message),
+                    Some(sequence) if self.is_awaited(sequence) => drop(self.early.insert(sequence, message)),
+                    _ => {
+                        let text = "its worker said something that nobody had asked for".to_owned();
+                        return Err(self.give_up(order.tick, Cause::Other(text)));
+                    }
+                },
+                Ok(Heard::Gone) | Err(RecvTimeoutError::Disconnected) => return Err(self.died(order.tick)),
+                Ok(Heard::Ready) => {}
+                Err(RecvTimeoutError::Timeout) if self.way.fleet.ended(self.way.address.number).is_some() => {
+                    return Err(self.died(order.tick));
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            let since = began.elapsed();
+            if calls.as_mut().is_some_and(|dog| dog.bites(since, Some(self.way.board.note(0).read()))) {
+                let limit_s = self.way.patience.unwrap_or_default().as_secs_f64();
+                return Err(self.give_up(order.tick, Cause::Hung(limit_s)));
+            }
+            if pulse.as_mut().is_some_and(|dog| dog.bites(since, Some(self.way.board.pulse()))) {
+                return Err(self.give_up(order.tick, Cause::Silent(SIGN_OF_LIFE.as_secs_f64())));
+            }
+        }
+    }
+
+    fn is_awaited(&self, sequence: u64) -> bool {
+        self.under_way.values().any(|asked| asked.header.sequence == sequence)
+    }
+
+    /// The process is gone, or about to be: how it ended, and what its units said last.
+    fn died(&mut self, tick: u64) -> Lost {
+        let ended = self.way.fleet.ends_within(self.way.address.number, LAST_BREATH);
+        let cause = ended.map_or_else(|| Cause::Other("its worker hung up".to_owned()), cause_of_death);
+        self.give_up(tick, cause)
+    }
+
+    /// Ends the process for this cause; nothing can be asked any more.
+    pub(super) fn give_up(&mut self, tick: u64, cause: Cause) -> Lost {
+        self.way.fleet.kill(self.way.address.number);
+        // Opened anew, to read on where the process itself had read to.
+        if let Ok(board) = Board::open(&self.way.address.board()) {
+            board.pop_messages(|bytes| {
+                if let Ok(Message::Log(said)) = postcard::from_bytes(bytes) {
+                    (self.sink)(said);
+                }
+            });
+        }
+        let lost = self.lost(tick, cause);
+        self.dead = Some(lost.clone());
+        lost
+    }
+}
+
+fn sequence_of(message: &ZBytes) -> Option<u64> {
+    Incoming::read(&message.to_bytes()).ok().map(|message| message.header.sequence)
+}
+
+/// Whether a socket is there.
+fn is_there(socket: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    socket.symlink_metadata().is_ok_and(|file| file.file_type().is_socket())
+}

@@ -1,0 +1,228 @@
+//! What travels: messages as bytes, little endian, read by a total function that never asks for more memory than it got.
+//!
+//! ```text
+//!  0 u32 "LKS1"   4 u16 kind   6 u16 group   8 u64 schema   16 u64 sequence   24 u64 tick   32 u32 blocks   36 u32 aside
+//! block: u32 instance · u32 status · u32 n_real · u32 n_int · u32 n_bool · u32 n_string
+//!        f64 × n_real · i32 × n_int · u8 × n_bool, 0 or 1 · zeros up to 8 · n_string × (u32 length, UTF-8) · zeros up to 8
+//! aside: so many bytes at the end, what an order or reply says besides its blocks
+//! ```
+//!
+//! A block is always complete, so any message can be read alone. Its layout is that of the instance's [`Ports`]; that
+//! both sides mean the same by it is what the schema number says.
+
+mod blocks;
+
+pub use blocks::Blocks;
+
+use crate::values::Values;
+use crate::wiring::Ports;
+use std::fmt;
+
+const MAGIC: u32 = u32::from_le_bytes(*b"LKS1");
+const HEADER_BYTES: usize = 40;
+const BLOCKS_AT: usize = 32;
+const ASIDE_AT: usize = 36;
+
+/// What a message is. Replies have the number of their order and 16.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u16)]
+pub enum Kind {
+    /// Who calls: the aside is JSON, so that any version can read it.
+    Hello = 1,
+    /// Which instances, of which units, with which ports.
+    Open = 2,
+    /// Initialization begins, or sets or gets some variables.
+    Initialise = 3,
+    /// Initialization ends; all outputs come back.
+    Start = 4,
+    /// A group takes a step: inputs there, outputs back.
+    Step = 5,
+    /// Terminate and free all instances.
+    Finish = 6,
+    /// Serialize the state of all instances.
+    Save = 7,
+    /// Put all instances into a state.
+    Restore = 8,
+    /// The reply to [`Kind::Hello`].
+    Welcome = 17,
+    /// The reply to [`Kind::Open`].
+    Opened = 18,
+    /// The reply to [`Kind::Initialise`].
+    Initialised = 19,
+    /// The reply to [`Kind::Start`].
+    Started = 20,
+    /// The reply to [`Kind::Step`].
+    Stepped = 21,
+    /// The reply to [`Kind::Finish`].
+    Finished = 22,
+    /// The reply to [`Kind::Save`].
+    Saved = 23,
+    /// The reply to [`Kind::Restore`].
+    Restored = 24,
+}
+
+impl Kind {
+    const ORDERS: [(Self, Self); 8] = [
+        (Self::Hello, Self::Welcome),
+        (Self::Open, Self::Opened),
+        (Self::Initialise, Self::Initialised),
+        (Self::Start, Self::Started),
+        (Self::Step, Self::Stepped),
+        (Self::Finish, Self::Finished),
+        (Self::Save, Self::Saved),
+        (Self::Restore, Self::Restored),
+    ];
+
+    fn from_number(number: u16) -> Option<Self> {
+        Self::ORDERS.into_iter().flat_map(<[Self; 2]>::from).find(|&kind| kind as u16 == number)
+    }
+
+    /// What an order is answered with.
+    #[must_use]
+    pub fn reply(self) -> Option<Self> {
+        Self::ORDERS.into_iter().find(|&(order, _)| order == self).map(|(_, reply)| reply)
+    }
+}
+
+/// What every message begins with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Header {
+    /// What it is.
+    pub kind: Kind,
+    /// The group that steps, counted among the worker's own.
+    pub group: u16,
+    /// The layout of blocks that both sides agreed on; zero before they did.
+    pub schema: u64,
+    /// Orders to one worker are counted from 0; a reply repeats the number of its order.
+    pub sequence: u64,
+    /// The tick at which the step begins, or that the run has reached.
+    pub tick: u64,
+}
+
+/// A message that is being written.
+#[derive(Debug)]
+pub struct Outgoing {
+    bytes: Vec<u8>,
+    blocks: u32,
+}
+
+impl Outgoing {
+    /// Begins a message.
+    #[must_use]
+    pub fn new(header: &Header) -> Self {
+        let mut bytes = Vec::with_capacity(256);
+        bytes.extend(MAGIC.to_le_bytes());
+        bytes.extend((header.kind as u16).to_le_bytes());
+        bytes.extend(header.group.to_le_bytes());
+        for number in [header.schema, header.sequence, header.tick] {
+            bytes.extend(number.to_le_bytes());
+        }
+        bytes.extend([0; HEADER_BYTES - BLOCKS_AT]);
+        Self { bytes, blocks: 0 }
+    }
+
+    /// Adds the values of an instance's ports.
+    pub fn block(&mut self, instance: usize, ports: &Ports, values: &Values) {
+        blocks::write(&mut self.bytes, instance, ports, values);
+        self.blocks += 1;
+    }
+
+    /// Ends the message with what it says besides.
+    #[must_use]
+    pub fn finish(mut self, aside: &[u8]) -> Vec<u8> {
+        self.bytes[BLOCKS_AT..ASIDE_AT].copy_from_slice(&self.blocks.to_le_bytes());
+        self.bytes[ASIDE_AT..HEADER_BYTES].copy_from_slice(&length(aside.len()).to_le_bytes());
+        self.bytes.extend(aside);
+        self.bytes
+    }
+}
+
+/// A length as it travels.
+fn length(length: usize) -> u32 {
+    u32::try_from(length).unwrap_or_else(|_| unreachable!("{length} is more than any message holds"))
+}
+
+/// A message that was received.
+#[derive(Debug)]
+pub struct Incoming<'a> {
+    /// How it begins.
+    pub header: Header,
+    /// Its blocks.
+    pub blocks: Blocks<'a>,
+    /// What it says besides.
+    pub aside: &'a [u8],
+}
+
+impl<'a> Incoming<'a> {
+    /// Reads a message.
+    ///
+    /// # Errors
+    /// The bytes are no message.
+    pub fn read(bytes: &'a [u8]) -> Result<Self, Malformed> {
+        let (head, rest) = bytes.split_first_chunk::<HEADER_BYTES>().ok_or(Malformed::Short)?;
+        let word = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| head[at + i]));
+        let long = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| head[at + i]));
+        let half = |at: usize| u16::from_le_bytes([head[at], head[at + 1]]);
+        if word(0) != MAGIC {
+            return Err(Malformed::Foreign);
+        }
+        let kind = Kind::from_number(half(4)).ok_or(Malformed::Kind(half(4)))?;
+        let header = Header { kind, group: half(6), schema: long(8), sequence: long(16), tick: long(24) };
+        let aside = usize::try_from(word(ASIDE_AT)).ok().and_then(|aside| rest.len().checked_sub(aside));
+        let (blocks, aside) = rest.split_at(aside.ok_or(Malformed::Short)?);
+        Ok(Self { header, blocks: Blocks::new(blocks, word(BLOCKS_AT)), aside })
+    }
+}
+
+/// Why bytes are not the message that they should be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Malformed {
+    /// They end early.
+    Short,
+    /// They do not begin as every message does.
+    Foreign,
+    /// Nobody knows this kind.
+    Kind(u16),
+    /// A block is of another instance, or there is none for it.
+    Instance {
+        /// The instance that should have come.
+        expected: usize,
+        /// The one that came.
+        found: Option<u32>,
+    },
+    /// A block has other numbers of values than the instance has ports.
+    Counts(usize),
+    /// A status that the standard does not know.
+    Status(u32),
+    /// A Boolean that is neither 0 nor 1.
+    Boolean(u8),
+    /// A text that is no UTF-8.
+    Text,
+    /// Bytes, or whole blocks, that nobody asked for.
+    LeftOver,
+    /// What is said besides the blocks cannot be read.
+    Aside,
+}
+
+impl fmt::Display for Malformed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Short => f.write_str("a message that is cut short"),
+            Self::Foreign => f.write_str("something that is no message of ours"),
+            Self::Kind(kind) => write!(f, "a message of unknown kind {kind}"),
+            Self::Instance { expected, found: Some(found) } => {
+                write!(f, "values of instance {found} where those of instance {expected} belong")
+            }
+            Self::Instance { expected, found: None } => write!(f, "no values of instance {expected}"),
+            Self::Counts(instance) => write!(f, "other numbers of values than instance {instance} has"),
+            Self::Status(status) => write!(f, "status {status}, which FMI 2.0 does not know"),
+            Self::Boolean(value) => write!(f, "a Boolean of {value}"),
+            Self::Text => f.write_str("a text that is no UTF-8"),
+            Self::LeftOver => f.write_str("more than was asked for"),
+            Self::Aside => f.write_str("words that cannot be read"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

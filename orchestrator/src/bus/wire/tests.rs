@@ -1,0 +1,159 @@
+//! Messages survive the way, and bytes that are none do no harm.
+
+use super::*;
+use crate::wiring::Span;
+use proptest::prelude::*;
+
+/// The ports of an instance with so many variables of each type, whose values begin at index 1.
+fn ports(counts: [usize; 4]) -> Ports {
+    let [reals, integers, booleans, texts] =
+        counts.map(|count| Span { start: 1, references: vec![0; count], variables: vec![0; count] });
+    Ports { reals, integers, booleans, texts }
+}
+
+/// Values beside which others lie that are none of the message's business.
+fn around<T: Clone>(values: &[T], other: T) -> Vec<T> {
+    std::iter::once(other.clone()).chain(values.iter().cloned()).chain([other]).collect()
+}
+
+fn any_values() -> impl Strategy<Value = Values> {
+    let bits = prop::collection::vec(any::<u64>(), 0..5);
+    let texts = prop::collection::vec(".{0,9}", 0..4);
+    (bits, prop::collection::vec(any::<i32>(), 0..5), prop::collection::vec(0..2_i32, 0..9), texts).prop_map(
+        |(bits, integers, booleans, texts)| Values {
+            reals: bits.into_iter().map(f64::from_bits).collect(),
+            integers,
+            booleans,
+            texts,
+        },
+    )
+}
+
+fn header() -> Header {
+    Header { kind: Kind::Stepped, group: 3, schema: 0x1234_5678_9abc_def0, sequence: 7, tick: u64::MAX }
+}
+
+fn bits(values: &Values) -> (Vec<u64>, &[i32], &[i32], &[String]) {
+    let reals = values.reals.iter().map(|value| value.to_bits()).collect();
+    (reals, &values.integers, &values.booleans, &values.texts)
+}
+
+proptest! {
+    #[test]
+    fn what_is_written_is_read_to_the_same_bits(all in prop::collection::vec(any_values(), 0..4), aside: Vec<u8>) {
+        let mut outgoing = Outgoing::new(&header());
+        let ports_of = |values: &Values| {
+            ports([values.reals.len(), values.integers.len(), values.booleans.len(), values.texts.len()])
+        };
+        let placed = |values: &Values| Values {
+            reals: around(&values.reals, 0.5),
+            integers: around(&values.integers, 5),
+            booleans: around(&values.booleans, 1),
+            texts: around(&values.texts, "other".to_owned()),
+        };
+        for (instance, values) in all.iter().enumerate() {
+            outgoing.block(instance, &ports_of(values), &placed(values));
+        }
+        let bytes = outgoing.finish(&aside);
+        let mut incoming = Incoming::read(&bytes).unwrap();
+        prop_assert_eq!((incoming.header, incoming.aside), (header(), aside.as_slice()));
+        for (instance, values) in all.iter().enumerate() {
+            let blank = Values {
+                reals: vec![0.0; values.reals.len()],
+                integers: vec![0; values.integers.len()],
+                booleans: vec![0; values.booleans.len()],
+                texts: vec![String::new(); values.texts.len()],
+            };
+            let mut read = placed(&blank);
+            incoming.blocks.read(instance, &ports_of(values), &mut read).unwrap();
+            let written = placed(values);
+            prop_assert_eq!(bits(&read), bits(&written));
+        }
+        prop_assert_eq!(incoming.blocks.end(), Ok(()));
+    }
+
+    #[test]
+    fn any_bytes_are_read_without_a_panic(
+        mut bytes in prop::collection::vec(any::<u8>(), 0..200), ours: bool, counts: [u8; 4],
+    ) {
+        if ours && bytes.len() >= 6 {
+            bytes[..4].copy_from_slice(&MAGIC.to_le_bytes());
+            bytes[4..6].copy_from_slice(&(Kind::Stepped as u16).to_le_bytes());
+        }
+        read_anything(&bytes, counts.map(|count| usize::from(count % 4)));
+    }
+
+    #[test]
+    fn a_message_with_any_byte_changed_is_read_without_a_panic(
+        values in any_values(), at: prop::sample::Index, to: u8, cut: prop::sample::Index,
+    ) {
+        let counts = [values.reals.len(), values.integers.len(), values.booleans.len(), values.texts.len()];
+        let mut outgoing = Outgoing::new(&header());
+        let placed = Values {
+            reals: around(&values.reals, 0.5),
+            integers: around(&values.integers, 5),
+            booleans: around(&values.booleans, 1),
+            texts: around(&values.texts, String::new()),
+        };
+        outgoing.block(0, &ports(counts), &placed);
+        let mut bytes = outgoing.finish(b"words");
+        prop_assert!(!read_anything(&bytes[..cut.index(bytes.len())], counts), "a message that is cut short is none");
+        let at = at.index(bytes.len());
+        bytes[at] = to;
+        read_anything(&bytes, counts);
+    }
+}
+
+/// Reads bytes as a worker's answer is read; whether they are one.
+fn read_anything(bytes: &[u8], counts: [usize; 4]) -> bool {
+    let Ok(mut incoming) = Incoming::read(bytes) else { return false };
+    let mut values = Values {
+        reals: vec![0.0; counts[0] + 2],
+        integers: vec![0; counts[1] + 2],
+        booleans: vec![0; counts[2] + 2],
+        texts: vec![String::new(); counts[3] + 2],
+    };
+    incoming.blocks.read(0, &ports(counts), &mut values).and_then(|()| incoming.blocks.end()).is_ok()
+}
+
+#[test]
+fn each_lie_of_a_message_has_its_name() {
+    let (reals, booleans) = (vec![0.0, 1.5, 0.0], vec![0, 1, 0]);
+    let values = Values { reals, integers: vec![0], booleans, texts: vec![String::new()] };
+    let whole = |of: Ports| {
+        let mut outgoing = Outgoing::new(&header());
+        outgoing.block(2, &of, &values);
+        outgoing.finish(b"")
+    };
+    let good = whole(ports([1, 0, 1, 0]));
+    let read = |bytes: &[u8], instance: usize, counts: [usize; 4]| {
+        let mut incoming = Incoming::read(bytes)?;
+        let mut values = values.clone();
+        incoming.blocks.read(instance, &ports(counts), &mut values)?;
+        incoming.blocks.end()
+    };
+    let changed = |at: usize, to: u8| {
+        let mut bytes = good.clone();
+        bytes[at] = to;
+        bytes
+    };
+    assert_eq!(read(&good, 2, [1, 0, 1, 0]), Ok(()));
+    assert_eq!(read(&good, 1, [1, 0, 1, 0]), Err(Malformed::Instance { expected: 1, found: Some(2) }));
+    assert_eq!(read(&good, 2, [1, 0, 0, 0]), Err(Malformed::Counts(2)));
+    assert_eq!(read(&changed(0, b'X'), 2, [1, 0, 1, 0]), Err(Malformed::Foreign));
+    assert_eq!(read(&changed(4, 99), 2, [1, 0, 1, 0]), Err(Malformed::Kind(99)));
+    assert_eq!(read(&changed(BLOCKS_AT, 0), 2, [1, 0, 1, 0]), Err(Malformed::Instance { expected: 2, found: None }));
+    assert_eq!(read(&changed(BLOCKS_AT, 2), 2, [1, 0, 1, 0]), Err(Malformed::LeftOver));
+    assert_eq!(read(&changed(HEADER_BYTES + 4, 9), 2, [1, 0, 1, 0]), Err(Malformed::Status(9)));
+    assert_eq!(read(&changed(HEADER_BYTES + 32, 2), 2, [1, 0, 1, 0]), Err(Malformed::Boolean(2)));
+    assert_eq!(read(&changed(HEADER_BYTES + 33, 1), 2, [1, 0, 1, 0]), Err(Malformed::LeftOver));
+    assert_eq!(read(&good[..HEADER_BYTES - 1], 2, [1, 0, 1, 0]), Err(Malformed::Short));
+}
+
+#[test]
+fn every_order_has_a_reply_sixteen_further() {
+    for (order, reply) in Kind::ORDERS {
+        assert_eq!((order.reply(), reply as u16), (Some(reply), order as u16 + 16));
+        assert_eq!(reply.reply(), None);
+    }
+}

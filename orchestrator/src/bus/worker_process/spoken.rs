@@ -1,0 +1,99 @@
+//! What units say until the next reply takes it along: on the board, where it outlives the process.
+
+use crate::message::{LogMessage, Message};
+use crate::unit::board::Board;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// One reply takes no more bytes of words than these; the rest is dropped, and how much that was is told.
+const MOST_BYTES: usize = 8 << 20;
+
+/// Words that wait for a reply.
+#[derive(Debug)]
+pub struct Spoken {
+    board: Arc<Board>,
+    /// What was taken from the board to make room.
+    taken: Mutex<Taken>,
+}
+
+#[derive(Debug, Default)]
+struct Taken {
+    said: Vec<LogMessage>,
+    bytes: usize,
+    dropped: usize,
+}
+
+impl Spoken {
+    pub fn new(board: Arc<Board>) -> Arc<Self> {
+        Arc::new(Self { board, taken: Mutex::default() })
+    }
+
+    /// Keeps what a unit said; any thread may.
+    pub fn say(&self, said: LogMessage) {
+        let Ok(bytes) = postcard::to_stdvec(&Message::Log(said)) else { return };
+        let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        if !self.board.has_room_for(&bytes) {
+            taken.take_from(&self.board);
+        }
+        self.board.push_message(&bytes);
+    }
+
+    /// Hands over all that was said.
+    pub fn take(&self) -> Vec<LogMessage> {
+        let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        taken.take_from(&self.board);
+        let Taken { mut said, dropped, .. } = std::mem::take(&mut *taken);
+        if let Some(last) = said.last().filter(|_| dropped > 0) {
+            let text = format!("… ({dropped} more messages of this step are left out)");
+            let more = LogMessage { text, ..last.clone() };
+            said.push(more);
+        }
+        said
+    }
+}
+
+impl Taken {
+    fn take_from(&mut self, board: &Board) {
+        board.pop_messages(|bytes| {
+            if self.bytes > MOST_BYTES {
+                self.dropped += 1;
+            } else if let Ok(Message::Log(said)) = postcard::from_bytes(bytes) {
+                self.bytes += bytes.len();
+                self.said.push(said);
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::unit::board::BoardLayout;
+
+    fn spoken() -> Arc<Spoken> {
+        Spoken::new(Arc::new(Board::private(&BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap()))
+    }
+
+    fn said(text: String) -> LogMessage {
+        LogMessage { instance: Some(0), tick: 1, counts_at: 2, status: 0, category: String::new(), text }
+    }
+
+    #[test]
+    fn more_words_than_the_board_holds_are_kept_in_order() {
+        let spoken = spoken();
+        let texts: Vec<_> = (0..3000).map(|i| format!("{i} {}", "x".repeat(1000))).collect();
+        texts.iter().for_each(|text| spoken.say(said(text.clone())));
+        assert!(spoken.take().into_iter().map(|said| said.text).eq(texts));
+        assert_eq!(spoken.take(), []);
+    }
+
+    #[test]
+    fn a_flood_of_words_is_cut_and_that_is_told() {
+        let spoken = spoken();
+        let long = "x".repeat(60_000);
+        (0..1000).for_each(|_| spoken.say(said(long.clone())));
+        let told = spoken.take();
+        assert!(told.len() < 200, "{}", told.len());
+        let last = &told[told.len() - 1].text;
+        assert_eq!(last, &format!("… ({} more messages of this step are left out)", 1001 - told.len()));
+    }
+}
