@@ -5,7 +5,7 @@
 pub mod boarding;
 mod pace;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 pub mod told;
 
 use crate::claims::Claims;

@@ -69,12 +69,21 @@ impl Flight {
     /// If there is none for long.
     #[must_use]
     pub fn stepping_process(&self) -> u32 {
-        let mut found = None;
-        until("a stepping process", || {
-            found = processes().into_iter().find(|process| process.parent == self.id()).map(|process| process.id);
-            found.is_some()
+        self.children(1)[0]
+    }
+
+    /// The numbers of its children, once there are so many.
+    ///
+    /// # Panics
+    /// If there are not for long.
+    #[must_use]
+    pub fn children(&self, count: usize) -> Vec<u32> {
+        let mut found = Vec::new();
+        until("processes of the run", || {
+            found = processes().into_iter().filter(|process| process.parent == self.id()).map(|p| p.id).collect();
+            found.len() == count
         });
-        found.unwrap()
+        found
     }
 
     /// What it said on standard error so far.

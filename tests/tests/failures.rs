@@ -8,8 +8,11 @@ use tests::program::{Said, run};
 const SCRIPT: &str = "scenario \"A unit misbehaves\"\nstep 100 ms\nstop 1 s\nfmu rogue = \"foreign.fmu\"\n\
                       time -> rogue.u\nassert small: always rogue.y < 100\n";
 
+/// All instances in one process, and each in one of its own.
+const PLACEMENTS: [&[&str]; 2] = [&[], &["--isolate"]];
+
 /// Runs a unit that misbehaves in `call` as `how` says, from half a second on where that can be said.
-fn misbehaving(call: &str, how: &str) -> (tempfile::TempDir, Said) {
+fn misbehaving(call: &str, how: &str, placement: &[&str]) -> (tempfile::TempDir, Said) {
     let defines =
         [format!("MISBEHAVE_CALL={call}"), format!("MISBEHAVE_HOW={how}"), "MISBEHAVE_FROM_S=0.45".to_owned()];
     let defines: Vec<_> = defines.iter().map(String::as_str).collect();
@@ -17,7 +20,7 @@ fn misbehaving(call: &str, how: &str) -> (tempfile::TempDir, Said) {
     let defines = if from_start { &defines[..2] } else { &defines[..] };
     let (folder, _) = Foreign { defines, ..Foreign::default() }.build();
     std::fs::write(folder.path().join("rogue.scn"), SCRIPT).unwrap();
-    let said = run(folder.path(), &["run", "rogue.scn", "--step-timeout", "500ms"]);
+    let said = run(folder.path(), &[&["run", "rogue.scn", "--step-timeout", "500ms"], placement].concat());
     (folder, said)
 }
 
@@ -43,13 +46,19 @@ const CALLS: [(&str, &str, &str, usize); 10] = [
 ];
 
 fn each_call(how: &str, words: &[&str]) {
+    PLACEMENTS.iter().for_each(|placement| each_call_of(how, words, placement));
+}
+
+fn each_call_of(how: &str, words: &[&str], placement: &[&str]) {
     for (call, name, time, kept_rows) in CALLS {
-        let (folder, said) = misbehaving(call, how);
+        let (folder, said) = misbehaving(call, how, placement);
         let error = said.err.lines().find(|line| line.starts_with("error: ")).unwrap_or_default();
         let expected = ["`rogue`", name, time].iter().all(|part| error.contains(part));
         let told = words.iter().any(|word| error.contains(word));
         assert!(said.code == Some(3) && expected && told, "{call} {how}: {:?}\n{}", said.code, said.err);
-        assert_eq!(rows(folder.path()), kept_rows, "{call} {how}: rows");
+        // A process of its own is missed when its result is due, not when it was ordered.
+        let more_rows = usize::from(!placement.is_empty() && ["SET", "STEP"].contains(&call));
+        assert_eq!(rows(folder.path()), kept_rows + more_rows, "{call} {how}: rows");
         let record = std::fs::read_to_string(folder.path().join("runs/rogue/run.json")).unwrap();
         assert!(record.contains("\"state\": \"broken\""), "{call} {how}: {record}");
     }
@@ -87,9 +96,11 @@ fn a_unit_that_hangs_in_any_call_is_ended_and_named() {
 
 #[test]
 fn a_unit_that_computes_for_ever_is_ended_and_named() {
-    let (_folder, said) = misbehaving("STEP", "SPIN");
-    assert_eq!(said.code, Some(3), "{}", said.err);
-    assert!(said.err.contains("`rogue` has been in fmi2DoStep for 0.5 s, at 0.5 s"), "{}", said.err);
+    for placement in PLACEMENTS {
+        let (_folder, said) = misbehaving("STEP", "SPIN", placement);
+        assert_eq!(said.code, Some(3), "{}", said.err);
+        assert!(said.err.contains("`rogue` has been in fmi2DoStep for 0.5 s, at 0.5 s"), "{}", said.err);
+    }
 }
 
 #[test]
@@ -103,9 +114,15 @@ fn a_status_that_is_no_success_breaks_the_run() {
         ("INSTANTIATE", "NO_INSTANCE", "fmi2Instantiate returned NULL"),
     ];
     for (call, how, words) in told {
-        let (_folder, said) = misbehaving(call, how);
-        assert_eq!(said.code, Some(3), "{call} {how}: {}", said.err);
-        assert!(said.err.contains(&format!("error: `rogue`: {words}")), "{call} {how}: {}", said.err);
+        for placement in PLACEMENTS {
+            let (folder, said) = misbehaving(call, how, placement);
+            assert_eq!(said.code, Some(3), "{call} {how}: {}", said.err);
+            assert!(said.err.contains(&format!("error: `rogue`: {words}")), "{call} {how}: {}", said.err);
+            assert!(said.err.contains("rogue  ") || call == "INSTANTIATE", "{call} {how}: it says why: {}", said.err);
+            // A status counts when the result is due, in every placement.
+            let kept_rows = if ["STEP", "SET"].contains(&call) { 6 } else { 0 };
+            assert_eq!(rows(folder.path()), kept_rows, "{call} {how} {placement:?}: rows");
+        }
     }
 }
 
@@ -126,23 +143,32 @@ fn the_unit_that_fails_while_boarding_is_named_even_if_another_crashes_when_it_i
         let script = "scenario \"Two units\"\nstep 100 ms\nstop 1 s\nfmu crash = \"foreign.fmu\"\nfmu late = \"other.fmu\"\n\
                       time -> crash.u\ntime -> late.u\nassert small: always late.y < 100\n";
         std::fs::write(folder.path().join("two.scn"), script).unwrap();
-        let said = run(folder.path(), &["run", "two.scn"]);
-        assert_eq!(said.code, Some(3), "{call}: {}", said.err);
-        assert!(said.err.contains(&format!("error: `late`: {words}")), "{call}: {}", said.err);
+        for placement in PLACEMENTS {
+            let said = run(folder.path(), &[&["run", "two.scn"], placement].concat());
+            assert_eq!(said.code, Some(3), "{call}: {}", said.err);
+            assert!(said.err.contains(&format!("error: `late`: {words}")), "{call}: {}", said.err);
+        }
     }
 }
 
 #[test]
 fn a_value_that_is_no_number_is_named_with_its_variable() {
-    let (_folder, said) = misbehaving("STEP", "NOT_A_NUMBER");
-    assert_eq!(said.code, Some(3), "{}", said.err);
-    assert!(said.err.contains("error: `rogue`: `y` is NaN at 0.6 s"), "{}", said.err);
+    for placement in PLACEMENTS {
+        let (_folder, said) = misbehaving("STEP", "NOT_A_NUMBER", placement);
+        assert_eq!(said.code, Some(3), "{}", said.err);
+        assert!(said.err.contains("error: `rogue`: `y` is NaN at 0.6 s"), "{}", said.err);
+    }
 }
 
 #[test]
 fn a_warning_is_told_and_the_run_goes_on() {
-    let (folder, said) = misbehaving("STEP", "WARNING");
-    assert_eq!(said.code, Some(0), "{}", said.err);
-    assert!(said.err.contains("asked to return 1 at 0.500 s"), "{}", said.err);
-    assert_eq!(rows(folder.path()), 11);
+    let told = PLACEMENTS.map(|placement| {
+        let (folder, said) = misbehaving("STEP", "WARNING", placement);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        assert!(said.err.contains("asked to return 1 at 0.500 s"), "{}", said.err);
+        assert_eq!(rows(folder.path()), 11);
+        let words = said.err.lines().filter(|line| line.contains(" s  rogue  ")).map(str::to_owned);
+        words.collect::<Vec<_>>()
+    });
+    assert!(told[0].len() > 5 && told[0] == told[1], "words are the same in every placement: {told:?}");
 }

@@ -7,6 +7,7 @@
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use tests::flight::Flight;
 use tests::program::{repository, run};
 
 const GOLDEN_BYTES: usize = 190_000;
@@ -35,8 +36,9 @@ fn decimated(trace: &str) -> String {
     golden
 }
 
-fn run_into(script: &Path, out: &Path) -> String {
-    let said = run(&repository(), &["run", script.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+fn run_into(script: &Path, out: &Path, more: &[&str]) -> String {
+    let arguments = ["run", script.to_str().unwrap(), "--out", out.to_str().unwrap()];
+    let said = run(&repository(), &[&arguments, more].concat());
     assert_eq!(said.code, Some(0), "{}\n{}{}", script.display(), said.out, said.err);
     std::fs::read_to_string(out.join("trace.csv")).unwrap()
 }
@@ -46,7 +48,7 @@ fn every_scenario_leaves_its_golden_trace() {
     let out = tempfile::tempdir().unwrap();
     for script in scenarios() {
         let name = script.file_stem().unwrap().to_str().unwrap().to_owned();
-        let golden = decimated(&run_into(&script, &out.path().join(&name)));
+        let golden = decimated(&run_into(&script, &out.path().join(&name), &[]));
         let path = repository().join("tests/golden").join(&name).with_extension("csv");
         if std::env::var_os("LOCKSTEP_UPDATE").is_some() {
             std::fs::write(&path, &golden).unwrap();
@@ -57,20 +59,40 @@ fn every_scenario_leaves_its_golden_trace() {
     }
 }
 
+/// Runs a script in two ways, and compares all that has the same bytes everywhere.
+fn compare(script: &Path, ways: [&[&str]; 2]) {
+    let out = tempfile::tempdir().unwrap();
+    let folders = ["first", "second"].map(|folder| out.path().join(folder));
+    for (folder, way) in folders.iter().zip(ways) {
+        run_into(script, folder, way);
+    }
+    let [first, second] = folders.each_ref().map(|folder| folder.to_str().unwrap());
+    let said = run(&repository(), &["diff", first, second]);
+    assert_eq!(said.code, Some(0), "{} {ways:?}: {}", script.display(), said.out);
+    for file in ["trace.csv", "signals.json", "verdict.json"] {
+        let [first, second] = folders.each_ref().map(|folder| std::fs::read(folder.join(file)).unwrap());
+        assert!(first == second, "{} {ways:?}: {file} differs", script.display());
+    }
+}
+
 #[test]
 fn a_scenario_run_again_leaves_the_same_bytes() {
-    let out = tempfile::tempdir().unwrap();
+    scenarios().iter().for_each(|script| compare(script, [&[], &[]]));
+}
+
+#[test]
+fn a_scenario_whose_instances_have_a_process_each_leaves_the_same_bytes() {
+    scenarios().iter().for_each(|script| compare(script, [&[], &["--isolate"]]));
+}
+
+#[test]
+fn each_instance_of_an_isolated_run_has_a_process_of_its_own() {
     for script in scenarios() {
-        let folders = ["first", "second"].map(|folder| out.path().join(folder));
-        for folder in &folders {
-            run_into(&script, folder);
-        }
-        let [first, second] = folders.each_ref().map(|folder| folder.to_str().unwrap());
-        let said = run(&repository(), &["diff", first, second]);
-        assert_eq!(said.code, Some(0), "{}: {}", script.display(), said.out);
-        for file in ["trace.csv", "signals.json", "verdict.json"] {
-            let [first, second] = folders.each_ref().map(|folder| std::fs::read(folder.join(file)).unwrap());
-            assert!(first == second, "{}: {file} differs", script.display());
-        }
+        let instances = std::fs::read_to_string(&script).unwrap().lines().filter(|l| l.starts_with("fmu ")).count();
+        let out = tempfile::tempdir().unwrap();
+        let arguments =
+            ["run", script.to_str().unwrap(), "--isolate", "--pace", "1", "--out", out.path().to_str().unwrap()];
+        let flight = Flight::start(&repository(), &arguments);
+        assert_eq!(flight.children(instances).len(), instances, "{}", script.display());
     }
 }

@@ -8,6 +8,7 @@
 #![expect(clippy::print_stdout, reason = "this is what a benchmark is for")]
 
 #[path = "../peer/mod.rs"]
+#[expect(dead_code, reason = "shared with the other benchmarks")]
 mod peer;
 
 use dsl::scenario::{Connection, Drive, Instance as Planned, Port, Scenario};

@@ -1,5 +1,6 @@
 //! Makes the units of the benchmarks, in C and by the export layer.
 
+use fmi2::description::write::write;
 use fmi2::description::{
     Causality, CoSimulation, Kind, ModelDescription, RealAttributes, RealVariable, Variability, Variable,
 };
@@ -27,11 +28,15 @@ pub fn in_c(ports: usize, folder: &Path) -> Result<ModelDescription, Box<dyn Err
     if !status.success() {
         return Err(format!("cc could not build the unit of the benchmark: {status}").into());
     }
-    Ok(ModelDescription {
+    let description = ModelDescription {
+        model_name: identifier.clone(),
+        guid: identifier.clone(),
         co_simulation: Some(CoSimulation { model_identifier: identifier, ..CoSimulation::default() }),
         variables: (0..2 * ports).map(|reference| variable(reference, ports)).collect(),
         ..ModelDescription::default()
-    })
+    };
+    fs::write(folder.join("modelDescription.xml"), write(&description))?;
+    Ok(description)
 }
 
 fn variable(reference: usize, ports: usize) -> Variable {

@@ -14,6 +14,7 @@ use orchestrator::unit::library::Library;
 use orchestrator::wiring::seconds;
 use std::error::Error;
 use std::io;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
@@ -32,7 +33,7 @@ pub struct Unit {
     pub inputs: Vec<usize>,
     pub outputs: Vec<usize>,
     pub board: Board,
-    _folder: TempDir,
+    folder: TempDir,
 }
 
 impl Unit {
@@ -58,7 +59,12 @@ impl Unit {
             variables.filter(move |(_, variable)| variable.causality == causality).map(|(index, _)| index).collect()
         };
         let (inputs, outputs) = (with(Causality::Input), with(Causality::Output));
-        Ok(Self { inputs, outputs, description, library: Arc::new(library), board, _folder: folder })
+        Ok(Self { inputs, outputs, description, library: Arc::new(library), board, folder })
+    }
+
+    /// Where it lies unpacked.
+    pub fn folder(&self) -> PathBuf {
+        self.folder.path().join(UNPACKED)
     }
 
     /// So many instances in initialization mode.

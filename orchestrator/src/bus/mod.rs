@@ -11,6 +11,7 @@
 //! worker knows blocks of values and ticks; whatever the script says is computed in the coordinator, so that it cannot
 //! differ by where an instance lives.
 
+mod crew;
 mod fleet;
 mod isolated;
 mod link;
@@ -19,6 +20,7 @@ mod remote;
 pub mod wire;
 mod worker_process;
 
-pub use fleet::SUBCOMMAND;
+pub use crew::Crew;
+pub use fleet::{Fleet, SUBCOMMAND};
 pub use isolated::Isolated;
 pub use worker_process::{Address, serve};

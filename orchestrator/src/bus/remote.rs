@@ -4,6 +4,8 @@
 //! life. Of a process that died or hangs its board still tells in which call that was.
 
 mod answers;
+#[cfg(test)]
+mod tests;
 
 use super::fleet::Fleet;
 use super::link::Link;

@@ -9,8 +9,8 @@ mod spoken;
 use super::link::Listening;
 use crate::unit::board::Board;
 use crate::unit::exit;
-use service::Service;
-use spoken::Spoken;
+pub(super) use service::Service;
+pub(super) use spoken::Spoken;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -52,9 +52,9 @@ impl Address {
 /// # Errors
 /// What kept it from serving to the end.
 pub fn serve(address: &Address) -> Result<(), String> {
-    end_with_coordinator(&address.home);
     let board = Board::open(&address.board()).map_err(|error| format!("cannot open the worker's board: {error}"))?;
     let board = Arc::new(board);
+    end_with_coordinator(&address.home);
     live(Arc::clone(&board));
     let line = Listening::on(&address.socket())?;
     let (run, call) = line.next(CALL_DEADLINE)?;

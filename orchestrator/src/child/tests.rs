@@ -4,7 +4,7 @@ use super::*;
 use crate::message::Reason;
 use crate::plan::PlannedUnit;
 use crate::unit::allocations;
-use crate::unit::archive::unpack;
+use crate::unit::archive::{Unpacked, unpack};
 use crate::unit::board::BoardLayout;
 use ::tests::foreign::Foreign;
 use dsl::scenario::{
@@ -69,25 +69,22 @@ fn scenario(ticks: u64) -> Scenario {
     }
 }
 
+/// Two instances of the foreign unit with all that a script can do, for so many ticks.
+pub(crate) fn plan(ticks: u64, unit: &Unpacked) -> Plan {
+    let (name, folder) = ("foreign.fmu".to_owned(), unit.folder.clone());
+    let (description, sha256) = (unit.description.clone(), unit.sha256.clone());
+    let units = vec![PlannedUnit { name, folder, description, sha256 }];
+    let (folder, board) = (PathBuf::new(), PathBuf::new());
+    let (scenario, unit_of) = (scenario(ticks), vec![0, 0]);
+    Plan { scenario, units, unit_of, folder, board, fail_fast: true, record: true, pace: None }
+}
+
 #[test]
 fn a_long_flight_asks_for_memory_as_often_as_a_short_one() {
     let (folder, fmu) = Foreign::default().build();
     let unpacked = unpack(&fmu, &folder.path().join("unpacked")).unwrap();
     let allocations = |ticks| {
-        let (name, folder) = ("foreign.fmu".to_owned(), unpacked.folder.clone());
-        let (description, sha256) = (unpacked.description.clone(), unpacked.sha256.clone());
-        let units = vec![PlannedUnit { name, folder, description, sha256 }];
-        let (folder, board) = (PathBuf::new(), PathBuf::new());
-        let plan = Plan {
-            scenario: scenario(ticks),
-            units,
-            unit_of: vec![0, 0],
-            folder,
-            board,
-            fail_fast: true,
-            record: true,
-            pace: None,
-        };
+        let plan = plan(ticks, &unpacked);
         let layout = BoardLayout { notes: 1, columns: plan.scenario.columns.len(), claims: plan.scenario.claims.len() };
         let board = Arc::new(Board::private(&layout).unwrap());
         let wiring = wire(&plan, &[0, 0]);

@@ -85,9 +85,7 @@ impl Remote<'_> {
         let message = self.hear(asked.header)?;
         let message = message.to_bytes();
         let said = self.understand(asked.header, &message, take);
-        let aside = said.map_err(|reason| {
-            self.give_up(asked.header.tick, Cause::Other(format!("its worker answered with {reason}")))
-        })?;
+        let aside = said.map_err(|reason| self.give_up(asked.header.tick, Cause::Other(reason)))?;
         match aside.lost {
             Some(lost) => Err(lost),
             None => Ok(aside),
@@ -110,14 +108,14 @@ impl Remote<'_> {
         message: &[u8],
         take: impl FnOnce(&[(usize, Member)], &mut Blocks<'_>) -> Result<(), Malformed>,
     ) -> Result<Aside, String> {
-        let told = |malformed: Malformed| malformed.to_string();
+        let told = |malformed: Malformed| format!("its worker answered with {malformed}");
         let Incoming { header, mut blocks, aside } = Incoming::read(message).map_err(told)?;
         self.fits(order, header)?;
         if order.kind == crate::bus::wire::Kind::Hello {
-            let speaker: Speaker = serde_json::from_slice(aside).map_err(|_| Malformed::Aside.to_string())?;
+            let speaker: Speaker = serde_json::from_slice(aside).map_err(|_| told(Malformed::Aside))?;
             return Speaker::this().agrees_with(&speaker).map(|()| Aside::default());
         }
-        let mut aside = Aside::read(aside).ok_or_else(|| Malformed::Aside.to_string())?;
+        let mut aside = Aside::read(aside).ok_or_else(|| told(Malformed::Aside))?;
         std::mem::take(&mut aside.said).into_iter().for_each(|said| (self.sink)(said));
         if aside.lost.is_none() {
             take(&self.members, &mut blocks).map_err(told)?;
@@ -128,18 +126,20 @@ impl Remote<'_> {
 
     /// Whether a reply repeats what its order said.
     fn fits(&self, order: Header, reply: Header) -> Result<(), String> {
-        let differ = |what: &str, found: u64, expected: u64| Err(format!("{what} {found}, expected {expected}"));
+        let differ = |what: &str, found: u64, expected: u64| {
+            Err(format!("its worker answered for {what} {found}, expected {expected}"))
+        };
         if order.kind.reply() != Some(reply.kind) {
-            return Err(format!("{:?} to {:?}", reply.kind, order.kind));
+            return Err(format!("its worker answered {:?} to {:?}", reply.kind, order.kind));
         }
         if reply.tick != order.tick {
-            return differ("values of tick", reply.tick, order.tick);
+            return differ("tick", reply.tick, order.tick);
         }
         if reply.group != order.group {
-            return differ("values of group", reply.group.into(), order.group.into());
+            return differ("group", reply.group.into(), order.group.into());
         }
         if reply.schema != self.schema {
-            return Err("values of another layout: its unit is not the one that was checked".to_owned());
+            return Err("its worker has another layout of values: the unit is not the one that was checked".to_owned());
         }
         Ok(())
     }
@@ -158,12 +158,13 @@ impl Remote<'_> {
             let began = Instant::now();
             match self.listen(LOOK) {
                 Ok(Heard::Message(message)) => match sequence_of(&message) {
-                    Some(sequence) if sequence == order.sequence => return Ok(message),
                     Some(sequence) if self.is_awaited(sequence) => drop(self.early.insert(sequence, message)),
-                    _ => {
-                        let text = "its worker said something that nobody had asked for".to_owned();
+                    Some(sequence) if sequence != order.sequence => {
+                        let text = format!("its worker answered order {sequence}, expected {}", order.sequence);
                         return Err(self.give_up(order.tick, Cause::Other(text)));
                     }
+                    // What is no message at all is told as what it is.
+                    _ => return Ok(message),
                 },
                 Ok(Heard::Gone) | Err(RecvTimeoutError::Disconnected) => return Err(self.died(order.tick)),
                 Ok(Heard::Ready) => {}
@@ -173,9 +174,11 @@ impl Remote<'_> {
                 Err(RecvTimeoutError::Timeout) => {}
             }
             let since = began.elapsed();
-            if calls.as_mut().is_some_and(|dog| dog.bites(since, Some(self.way.board.note(0).read()))) {
+            let call = self.way.board.note(0).read();
+            if calls.as_mut().is_some_and(|dog| dog.bites(since, Some(call))) {
                 let limit_s = self.way.patience.unwrap_or_default().as_secs_f64();
-                return Err(self.give_up(order.tick, Cause::Hung(limit_s)));
+                let silent = || Cause::Other(format!("its worker has not answered for {limit_s} s"));
+                return Err(self.give_up(order.tick, call.map_or_else(silent, |_| Cause::Hung(limit_s))));
             }
             if pulse.as_mut().is_some_and(|dog| dog.bites(since, Some(self.way.board.pulse()))) {
                 return Err(self.give_up(order.tick, Cause::Silent(SIGN_OF_LIFE.as_secs_f64())));

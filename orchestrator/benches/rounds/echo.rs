@@ -1,0 +1,152 @@
+//! Processes that send back what they get, over raw sockets and over zenoh.
+
+use std::error::Error;
+use std::io::{Read, Write};
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+use zenoh::bytes::ZBytes;
+use zenoh::pubsub::{Publisher, Subscriber};
+use zenoh::qos::{CongestionControl, Priority};
+use zenoh::{Config, Session, Wait};
+
+/// Blocking sockets.
+pub const RAW: &str = "raw";
+/// zenoh, a put and a callback each way.
+pub const BARE: &str = "bare";
+/// The longest message, and a little more.
+const MOST_BYTES: usize = 1 << 20;
+
+/// A way to one process and back.
+enum Line {
+    Raw(UnixStream),
+    Bare { _session: Session, to: Publisher<'static>, _from: Subscriber<()>, heard: Receiver<ZBytes> },
+}
+
+/// Processes that send back what they get.
+pub struct Echoes {
+    children: Vec<Child>,
+    lines: Vec<Line>,
+    message: Vec<u8>,
+    buffer: Vec<u8>,
+    _home: TempDir,
+}
+
+impl Echoes {
+    /// Starts so many, for messages of so many bytes.
+    pub fn start(kind: &str, count: usize, bytes: usize) -> Result<Self, Box<dyn Error>> {
+        let home = tempfile::tempdir()?;
+        let place = |number: usize| -> PathBuf { home.path().join(format!("{number}.sock")) };
+        let program = std::env::current_exe()?;
+        let start = |number| Command::new(&program).args(["echo", kind]).arg(place(number)).spawn();
+        let children = (0..count).map(start).collect::<Result<_, _>>()?;
+        let dial = |number| {
+            while !place(number).exists() {
+                sleep(Duration::from_millis(1));
+            }
+            sleep(Duration::from_millis(50));
+            if kind == RAW {
+                UnixStream::connect(place(number)).map(Line::Raw).map_err(Into::into)
+            } else {
+                call(&place(number))
+            }
+        };
+        let lines = (0..count).map(dial).collect::<Result<_, Box<dyn Error>>>()?;
+        Ok(Self { children, lines, message: vec![7; bytes], buffer: vec![0; bytes], _home: home })
+    }
+
+    /// So many rounds: a message to each, then one from each.
+    pub fn block(&mut self, rounds: u64) -> Result<Duration, Box<dyn Error>> {
+        let begun = Instant::now();
+        for _ in 0..rounds {
+            for line in &mut self.lines {
+                match line {
+                    Line::Raw(stream) => stream.write_all(&self.message)?,
+                    Line::Bare { to, .. } => to.put(self.message.clone()).wait().map_err(|error| error.to_string())?,
+                }
+            }
+            for line in &mut self.lines {
+                match line {
+                    Line::Raw(stream) => stream.read_exact(&mut self.buffer)?,
+                    Line::Bare { heard, .. } => self.buffer.copy_from_slice(&heard.recv()?.to_bytes()),
+                }
+            }
+        }
+        Ok(begun.elapsed())
+    }
+}
+
+impl Drop for Echoes {
+    fn drop(&mut self) {
+        for child in &mut self.children {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
+/// Sends back what comes to a socket, until whoever asks is gone or kills this process.
+pub fn serve(kind: &str, place: &Path) -> Result<(), Box<dyn Error>> {
+    if kind == RAW {
+        let (mut stream, _) = UnixListener::bind(place)?.accept()?;
+        let mut buffer = vec![0; MOST_BYTES];
+        loop {
+            match stream.read(&mut buffer)? {
+                0 => return Ok(()),
+                read => stream.write_all(&buffer[..read])?,
+            }
+        }
+    }
+    let session = open("peer", "listen", place)?;
+    let (heard_here, heard) = channel();
+    let _from = subscribe(&session, "echo/do", heard_here)?;
+    let to = publish(&session, "echo/done")?;
+    for message in heard {
+        to.put(message.to_bytes().into_owned()).wait().map_err(|error| error.to_string())?;
+    }
+    Ok(())
+}
+
+fn call(place: &Path) -> Result<Line, Box<dyn Error>> {
+    let session = open("client", "connect", place)?;
+    let (heard_here, heard) = channel();
+    let from = subscribe(&session, "echo/done", heard_here)?;
+    let to = publish(&session, "echo/do")?;
+    // A put that nobody hears succeeds: it is repeated until it comes back, and what came back too often is thrown away.
+    while heard.recv_timeout(Duration::from_millis(100)).is_err() {
+        to.put([1]).wait().map_err(|error| error.to_string())?;
+    }
+    while heard.recv_timeout(Duration::from_millis(200)).is_ok() {}
+    Ok(Line::Bare { _session: session, to, _from: from, heard })
+}
+
+fn open(mode: &str, direction: &str, place: &Path) -> Result<Session, Box<dyn Error>> {
+    let text = format!(
+        "{{ mode: \"{mode}\", {direction}: {{ endpoints: [\"unixsock-stream/{}\"] }}, timestamping: {{ enabled: false }}, \
+         scouting: {{ multicast: {{ enabled: false }}, gossip: {{ enabled: false }} }} }}",
+        place.display()
+    );
+    let config = Config::from_json5(&text).map_err(|error| error.to_string())?;
+    Ok(zenoh::open(config).wait().map_err(|error| error.to_string())?)
+}
+
+fn publish(session: &Session, key: &'static str) -> Result<Publisher<'static>, Box<dyn Error>> {
+    let publisher = session.declare_publisher(key).congestion_control(CongestionControl::Block);
+    let publisher = publisher.priority(Priority::RealTime).express(true).wait();
+    Ok(publisher.map_err(|error| error.to_string())?)
+}
+
+fn subscribe(
+    session: &Session,
+    key: &'static str,
+    to: std::sync::mpsc::Sender<ZBytes>,
+) -> Result<Subscriber<()>, Box<dyn Error>> {
+    let callback = move |sample: zenoh::sample::Sample| {
+        let _ = to.send(sample.payload().clone());
+    };
+    Ok(session.declare_subscriber(key).callback(callback).wait().map_err(|error| error.to_string())?)
+}

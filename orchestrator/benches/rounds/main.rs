@@ -1,0 +1,151 @@
+//! What a round of an isolated run costs: beside raw sockets, and beside zenoh with nothing around it.
+//!
+//! `cargo bench -p orchestrator --bench rounds` orders a step of so many workers, each in a process of its own with a unit
+//! that does nothing, and awaits all replies. In turn with that, processes that send back what they get: over blocking
+//! sockets of the same kind, and over zenoh sessions with the same settings, a put and a callback each way. Messages have
+//! the same length everywhere. Reported is the time of one round of all workers.
+#![expect(clippy::print_stdout, reason = "this is what a benchmark is for")]
+
+mod echo;
+#[path = "../peer/mod.rs"]
+#[expect(dead_code, reason = "shared with the other benchmarks")]
+#[expect(unsafe_code, reason = "another benchmark's hand-written loop stands there")]
+mod peer;
+
+use dsl::scenario::{Connection, Drive, Instance as Planned, Port, Scenario};
+use echo::Echoes;
+use orchestrator::bus::Crew;
+use orchestrator::plan::{Plan, PlannedUnit};
+use orchestrator::unit::logger::LogSink;
+use orchestrator::wiring::Wiring;
+use orchestrator::worker::{Leaving, Order, Worker};
+use peer::table::{Table, alternate};
+use peer::{STEP_NS, Unit, told};
+use std::error::Error;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+const BLOCKS: usize = 31;
+/// Rounds in one block.
+const ROUNDS: u64 = 200;
+/// Bytes of a message besides its Reals: header and the head of its one block.
+const AROUND: usize = 64;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().collect();
+    if let [_, echo, kind, place] = arguments.as_slice()
+        && echo == "echo"
+    {
+        return echo::serve(kind, Path::new(place));
+    }
+    let table = Table::begin("a round of all workers over Unix sockets");
+    for (ports, workers, beside_raw) in
+        [(1, 1, 11.0), (1, 2, 11.0), (1, 4, 11.0), (1, 8, 14.0), (1, 16, 14.0), (8192, 1, 7.0), (8192, 4, 7.0)]
+    {
+        rows(&table, ports, workers, beside_raw)?;
+    }
+    Ok(())
+}
+
+fn rows(table: &Table, ports: usize, workers: usize, beside_raw: f64) -> Result<(), Box<dyn Error>> {
+    let unit = Unit::in_c(ports)?;
+    let plan = plan(&unit, workers);
+    let bytes = AROUND + 8 * ports;
+    let each = |row: peer::table::Row| row.each(ROUNDS);
+    let name = |peer: &str| format!("{workers} workers, {bytes} B each way, beside {peer}");
+    for (peer, kind, limit) in [("raw sockets", echo::RAW, beside_raw), ("bare zenoh", echo::BARE, 1.25)] {
+        let measure = || {
+            let mut ours = Rounds::begin(&plan, &unit, workers)?;
+            let mut echoes = Echoes::start(kind, workers, bytes)?;
+            let row = alternate(BLOCKS, || ours.block(), || echoes.block(ROUNDS))?;
+            ours.end()?;
+            Ok(each(row))
+        };
+        table.row(&name(peer), Some(limit), measure)?;
+    }
+    Ok(())
+}
+
+/// Workers that have started.
+struct Rounds<'a> {
+    workers: Vec<Box<dyn Worker + 'a>>,
+    wiring: Wiring,
+    tick: u64,
+    _home: tempfile::TempDir,
+}
+
+impl<'a> Rounds<'a> {
+    fn begin(plan: &'a Plan, unit: &Unit, count: usize) -> Result<Self, Box<dyn Error>> {
+        let home = tempfile::tempdir()?;
+        let worker_of: Vec<_> = (0..count).collect();
+        let wiring = Wiring::new(&plan.scenario, &vec![&unit.description; count], &worker_of);
+        let program = Path::new(env!("CARGO_BIN_EXE_lockstep"));
+        let crew = Crew::start(program, home.path(), count, Some(Duration::from_secs(10)))?;
+        let sink: LogSink = Arc::new(|_| {});
+        let mut workers = crew.enlist(plan, &wiring, &sink).map_err(told)?;
+        let mut outputs = wiring.outputs.clone();
+        for worker in &mut workers {
+            worker.start(&mut outputs).map_err(|lost| told(lost.failure))?;
+        }
+        Ok(Self { workers, wiring, tick: 0, _home: home })
+    }
+
+    fn block(&mut self) -> Result<Duration, Box<dyn Error>> {
+        let mut outputs = self.wiring.outputs.clone();
+        let begun = Instant::now();
+        for tick in self.tick..self.tick + ROUNDS {
+            let mut tickets = Vec::with_capacity(self.workers.len());
+            for (group, worker) in self.workers.iter_mut().enumerate() {
+                let order = Order { group, tick, inputs: &self.wiring.inputs };
+                tickets.push(worker.order(&order).map_err(|lost| told(lost.failure))?);
+            }
+            for (worker, ticket) in self.workers.iter_mut().zip(tickets) {
+                worker.reply(ticket, tick + 1, &mut outputs).map_err(|lost| told(lost.failure))?;
+            }
+        }
+        self.tick += ROUNDS;
+        Ok(begun.elapsed())
+    }
+
+    fn end(mut self) -> Result<(), Box<dyn Error>> {
+        let finish = |worker: &mut Box<dyn Worker + 'a>| worker.finish(self.tick, Leaving::InPeace);
+        self.workers.iter_mut().try_for_each(finish).map_err(|lost| told(lost.failure))
+    }
+}
+
+/// So many instances whose inputs and outputs all travel.
+fn plan(unit: &Unit, count: usize) -> Plan {
+    let instance = |index| Planned {
+        name: format!("unit{index}"),
+        unit: "echo".to_owned(),
+        every: 1,
+        wave: 0,
+        presets: Vec::new(),
+    };
+    // Each is fed by the next, the last by the first.
+    let link = |target: usize| {
+        unit.inputs.iter().zip(&unit.outputs).map(move |(&input, &output)| Connection {
+            target: Port { instance: target, variable: input },
+            source: Drive::Copy(Port { instance: (target + 1) % count, variable: output }),
+            direct: false,
+        })
+    };
+    let scenario = Scenario {
+        title: "Rounds".to_owned(),
+        step_ns: STEP_NS,
+        stop_tick: u64::MAX,
+        parameters: Vec::new(),
+        instances: (0..count).map(instance).collect(),
+        initialization: Vec::new(),
+        connections: (0..count).flat_map(link).collect(),
+        events: Vec::new(),
+        rises: Vec::new(),
+        claims: Vec::new(),
+        columns: Vec::new(),
+    };
+    let (description, sha256) = (unit.description.clone(), String::new());
+    let units = vec![PlannedUnit { name: "echo".to_owned(), folder: unit.folder(), description, sha256 }];
+    let (folder, board) = (unit.folder(), unit.folder().join("board"));
+    Plan { scenario, units, unit_of: vec![0; count], folder, board, fail_fast: false, record: false, pace: None }
+}

@@ -1,0 +1,98 @@
+//! The workers of a run: a process for each instance, started together and led into initialization mode together.
+
+use super::fleet::Fleet;
+use super::remote::{Remote, Way};
+use super::worker_process::Address;
+use crate::failure::Failure;
+use crate::plan::Plan;
+use crate::unit::board::{Board, BoardLayout};
+use crate::unit::logger::LogSink;
+use crate::wiring::Wiring;
+use crate::worker::{Leaving, Worker};
+use std::collections::hash_map::RandomState;
+use std::hash::{BuildHasher, Hasher};
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+
+/// Worker processes that nobody has called yet.
+#[derive(Debug)]
+pub struct Crew {
+    fleet: Arc<Fleet>,
+    ways: Vec<Way>,
+}
+
+impl Crew {
+    /// Starts so many processes of a program that knows the subcommand, with their boards in a private folder.
+    ///
+    /// # Errors
+    /// A process cannot be started, or its board not be made.
+    pub fn start(program: &Path, home: &Path, count: usize, patience: Option<Duration>) -> io::Result<Self> {
+        let addresses: Vec<_> = (0..count).map(|number| Address { home: home.to_owned(), number }).collect();
+        let layout = BoardLayout { notes: 1, columns: 0, claims: 0 };
+        let boards = addresses.iter().map(|address| Board::create(&address.board(), &layout));
+        let boards = boards.collect::<io::Result<Vec<_>>>()?;
+        let fleet = Arc::new(Fleet::start(program, &addresses)?);
+        let ways = addresses.into_iter().zip(boards).map(|(address, board)| {
+            let fleet = Arc::clone(&fleet);
+            Way { address, board, fleet, patience }
+        });
+        Ok(Self { ways: ways.collect(), fleet })
+    }
+
+    /// The processes.
+    #[must_use]
+    pub fn fleet(&self) -> Arc<Fleet> {
+        Arc::clone(&self.fleet)
+    }
+
+    /// Brings all workers into initialization mode: each step is begun everywhere before the first is awaited. The
+    /// wiring gives to each worker the instances of its number; `sink` hears what units say.
+    ///
+    /// # Errors
+    /// The first in the script's order that could not be brought so far; all others are told to go.
+    pub fn enlist<'a>(
+        self,
+        plan: &'a Plan,
+        wiring: &Wiring,
+        sink: &LogSink,
+    ) -> Result<Vec<Box<dyn Worker + 'a>>, Failure> {
+        let run = run_name();
+        let dialled: Vec<_> = thread::scope(|scope| {
+            let dial = |way| {
+                let run = &run;
+                scope.spawn(move || Remote::dial(plan, wiring, way, Arc::clone(sink), run))
+            };
+            let threads: Vec<_> = self.ways.into_iter().map(dial).collect();
+            let join = |thread: thread::ScopedJoinHandle<'_, _>| {
+                thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+            };
+            threads.into_iter().map(join).collect()
+        });
+        let mut remotes = dialled.into_iter().collect::<Result<Vec<_>, _>>()?;
+        for step in [Remote::greet, Remote::open, Remote::enter] {
+            let asked: Vec<_> = remotes.iter_mut().map(step).collect();
+            let mut failed = None;
+            for (remote, asked) in remotes.iter_mut().zip(asked) {
+                if let Err(lost) = asked.and_then(|asked| remote.agree(asked)) {
+                    failed.get_or_insert(lost.failure);
+                }
+            }
+            if let Some(failure) = failed {
+                for remote in &mut remotes {
+                    // What goes wrong with them now is no news.
+                    remote.finish(0, Leaving::AtOnce).ok();
+                }
+                return Err(failure);
+            }
+        }
+        Ok(remotes.into_iter().map(|remote| Box::new(remote) as Box<dyn Worker>).collect())
+    }
+}
+
+/// A name that no other run has: for keys, no secret, and in no result.
+fn run_name() -> String {
+    format!("{:016x}", RandomState::new().build_hasher().finish())
+}
