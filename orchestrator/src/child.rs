@@ -61,7 +61,7 @@ pub fn fly(plan: &Plan, board: &Arc<Board>) {
         return tell_end(board, Err(failure));
     }
     let mut run = step_loop(plan, board, aboard);
-    match run.run() {
+    match run.run(plan.from.as_ref()) {
         Ok(finish) => tell_end(board, run.close().map(|()| finish)),
         Err(failure) => {
             tell_end(board, Err(failure));
@@ -77,7 +77,7 @@ fn step_loop<'a>(plan: &'a Plan, board: &'a Board, aboard: Vec<Seating>) -> Step
     let claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
     let worker: Box<dyn Worker> = Box::new(InProcess::new(&wiring, aboard, board.note(0)));
     let pace = plan.pace.map(|pace| Pace::new(pace, scenario.step_ns));
-    let told = Told::new(board, pace);
+    let told = Told::new(board, pace, &plan.saves);
     let wishes = Wishes { fail_fast: plan.fail_fast, record: plan.record };
     StepLoop::new(wiring, claims, vec![worker], wishes, told)
 }

@@ -2,10 +2,11 @@
 
 use dsl::scenario::Value;
 use fmi2::description::{BaseType, Kind, Variable};
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// One array for each base type. Booleans are held as units exchange them, 0 or 1.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Values {
     /// `fmi2Real`
     pub reals: Vec<f64>,

@@ -11,6 +11,7 @@ pub use in_process::{InProcess, Seating};
 use crate::failure::Failure;
 use crate::values::Values;
 use crate::wiring::Pick;
+use serde::{Deserialize, Serialize};
 
 /// Inputs for one group, and the word to step from `tick` on for the group's period.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +39,7 @@ pub struct Reply {
 }
 
 /// An instance has ended by itself (`fmi2Discard` with `fmi2Terminated`).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Terminated {
     /// The instance.
     pub instance: usize,
@@ -88,6 +89,19 @@ pub trait Worker {
     /// # Errors
     /// The first instance in the script's order whose step failed, or the worker is gone.
     fn reply(&mut self, ticket: Ticket, due_tick: u64, outputs: &mut Values) -> Result<Reply, Lost>;
+
+    /// Between two ticks, when no order is under way: the state of each of its instances, with the instance.
+    ///
+    /// # Errors
+    /// The first instance in the script's order that refuses, or the worker is gone.
+    fn save(&mut self, tick: u64) -> Result<Vec<(usize, Vec<u8>)>, Lost>;
+
+    /// After initialization: takes each of its instances to a state that [`Worker::save`] brought at this tick, maybe of
+    /// another worker.
+    ///
+    /// # Errors
+    /// The first instance in the script's order that refuses, or the worker is gone.
+    fn restore(&mut self, tick: u64, states: &[(usize, &[u8])]) -> Result<(), Lost>;
 
     /// Terminates and frees all instances that still allow it; nothing can be asked afterwards.
     ///

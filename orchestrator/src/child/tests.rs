@@ -86,12 +86,14 @@ fn a_long_flight_asks_for_memory_as_often_as_a_short_one() {
             fail_fast: true,
             record: true,
             pace: None,
+            saves: Vec::new(),
+            from: None,
         };
         let layout = BoardLayout { notes: 1, columns: plan.scenario.columns.len(), claims: plan.scenario.claims.len() };
         let board = Arc::new(Board::private(&layout).unwrap());
         let mut run = step_loop(&plan, &board, boarded(&plan, &board));
         let mut finish = None;
-        let count = allocations::during(|| finish = run.run().ok());
+        let count = allocations::during(|| finish = run.run(None).ok());
         assert_eq!(finish, Some(Finish { last_tick: ticks, reason: Reason::StopTime }));
         assert_eq!(board.pop_rows(|_, _| ()) as u64, ticks + 1);
         count

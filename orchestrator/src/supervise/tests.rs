@@ -22,6 +22,7 @@ const EXITED_WITH_0: i32 = 0;
 struct Run {
     home: TempDir,
     plan: Plan,
+    saving: Saving,
     board: Board,
 }
 
@@ -39,9 +40,11 @@ impl Run {
             fail_fast: false,
             pace: None,
             record: true,
+            saves: vec![],
+            from: None,
         };
         let board = Board::private(&BoardLayout { notes: 1, columns: 1, claims: 2 }).unwrap();
-        Self { home, plan, board }
+        Self { home, plan, saving: Saving::default(), board }
     }
 
     fn rows(&self, count: u64) {
@@ -65,7 +68,7 @@ impl Run {
         let column = CsvColumn { name: "quad.x".to_owned(), base_type: BaseType::Real };
         let trace = TraceFile::begin(folder.begin(TRACE_CSV).unwrap(), self.plan.scenario.step_ns, &[column]).unwrap();
         let mut console = Console::new(Vec::new(), Style::Tenths);
-        let orders = Orders { plan: &self.plan, program: PathBuf::new(), step_timeout: None };
+        let orders = Orders { plan: &self.plan, saving: &self.saving, program: PathBuf::new(), step_timeout: None };
         let mut supervision = Supervision::new(&orders, &self.board, Some(trace), &mut console);
         supervision.drain().unwrap();
         let ended = supervision.conclude(ExitStatus::from_raw(status), None).unwrap();
@@ -129,7 +132,7 @@ fn what_the_run_says_about_its_break_counts_more_than_how_its_process_ended() {
 fn a_death_is_kept_when_the_last_rows_cannot_be_written() {
     let run = Run::new();
     let mut console = Console::new(Vec::new(), Style::Tenths);
-    let orders = Orders { plan: &run.plan, program: PathBuf::new(), step_timeout: None };
+    let orders = Orders { plan: &run.plan, saving: &run.saving, program: PathBuf::new(), step_timeout: None };
     let supervision = Supervision::new(&orders, &run.board, None, &mut console);
     let full = TraceError::io("write", Path::new("trace.csv"))(io::ErrorKind::StorageFull.into());
     let error = supervision.conclude(ExitStatus::from_raw(DIED_OF_SIGSEGV), Some(full)).unwrap_err();
@@ -160,7 +163,8 @@ fn what_units_say_is_printed_in_order() {
 #[test]
 fn a_program_that_ends_at_once_breaks_the_run() {
     let run = Run::new();
-    let orders = Orders { plan: &run.plan, program: Path::new("/bin/true").to_owned(), step_timeout: None };
+    let orders =
+        Orders { plan: &run.plan, saving: &run.saving, program: Path::new("/bin/true").to_owned(), step_timeout: None };
     let mut console = Console::new(Vec::new(), Style::Tenths);
     let ended = supervise(&orders, None, &mut console).unwrap();
     assert_eq!(ended.failure.unwrap().to_string(), "the stepping process ended (exit code 0) between calls at 0 s");
@@ -169,7 +173,8 @@ fn a_program_that_ends_at_once_breaks_the_run() {
 #[test]
 fn a_program_that_cannot_be_started_is_an_error() {
     let run = Run::new();
-    let orders = Orders { plan: &run.plan, program: PathBuf::from("/no/such/program"), step_timeout: None };
+    let orders =
+        Orders { plan: &run.plan, saving: &run.saving, program: PathBuf::from("/no/such/program"), step_timeout: None };
     let error = supervise(&orders, None, &mut Console::new(Vec::new(), Style::Tenths)).unwrap_err().to_string();
     assert!(error.starts_with("cannot start the stepping process: "), "{error}");
 }

@@ -1,5 +1,6 @@
 //! The order of one step, seen through fake units.
 
+mod checkpoints;
 mod endings;
 mod fake;
 

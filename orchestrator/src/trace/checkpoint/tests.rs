@@ -1,0 +1,1 @@
+//! Checkpoint files that are fine, and bytes that are not.
