@@ -7,7 +7,7 @@ mod checkpoint;
 mod gather;
 mod initialise;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod witness;
 
 pub use checkpoint::Checkpoint;

@@ -99,7 +99,8 @@ impl Candidate<'_> {
         }
         if !time_ns.is_multiple_of(step_ns) {
             let message = format!("{told} does not fall on the {} grid", at(1));
-            return Err(Refusal::new(&message, Some(&format!("{} or {}", at(tick), at(tick + 1)))));
+            let neighbours = (tick..=tick + 1).filter(|&tick| tick < stop_tick).map(at).collect::<Vec<_>>();
+            return Err(Refusal::new(&message, Some(&neighbours.join(" or "))));
         }
         if tick < first_tick {
             let message = format!("{told}: this run has its first row at {}", at(first_tick));

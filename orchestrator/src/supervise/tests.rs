@@ -76,7 +76,7 @@ impl Run {
     }
 
     fn trace(&self) -> String {
-        std::fs::read_to_string(self.home.path().join("run").join(TRACE_CSV)).unwrap()
+        fs::read_to_string(self.home.path().join("run").join(TRACE_CSV)).unwrap()
     }
 }
 

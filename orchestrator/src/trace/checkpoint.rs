@@ -167,10 +167,6 @@ impl Identity {
         if self.script != saved.script {
             differences.push(format!("the script was {}, is {}", hash(&saved.script), hash(&self.script)));
         }
-        if self.step_ns != saved.step_ns {
-            let [was, is] = [saved, self].map(|run| seconds(1, run.step_ns));
-            differences.push(format!("the step was {was} s, is {is} s"));
-        }
         differences.extend(changes("unit", &hashes(&saved.units), &hashes(&self.units)));
         differences.extend(changes("file", &hashes(&saved.files), &hashes(&self.files)));
         let (were, are) = (values(&saved.parameters), values(&self.parameters));
@@ -181,6 +177,10 @@ impl Identity {
         } else {
             Vec::new()
         };
+        if self.step_ns != saved.step_ns {
+            let [was, is] = [saved, self].map(|run| seconds(1, run.step_ns));
+            differences.push(format!("the step was {was} s, is {is} s"));
+        }
         differences.extend(changed);
         if differences.is_empty() { Ok(()) } else { Err(CheckpointError::Different { differences, settings }) }
     }

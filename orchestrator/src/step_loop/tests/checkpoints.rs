@@ -1,10 +1,25 @@
 //! Runs that are saved and continued, seen through fake units.
 
-use super::fake::{Answer, Flown, P, Script, U, V, Y, answering, counter, port, repeater, signal, unit};
+use super::fake::{Answer, Flown, P, Script, U, V, Y, answering, counter, description, port, repeater, signal, unit};
 use super::{TIME, number};
 use crate::failure::Cause;
 use crate::message::Reason;
+use crate::step_loop::Checkpoint;
 use dsl::scenario::{BooleanExpression, Formula, Margin, RealExpression, TickWindow};
+
+impl Script {
+    pub fn saving(mut self, ticks: impl IntoIterator<Item = u64>) -> Self {
+        self.saves = ticks.into_iter().collect();
+        self
+    }
+
+    pub fn from(mut self, checkpoint: &Checkpoint) -> Self {
+        assert!(checkpoint.fits(&self.scenario, &vec![&description(); self.units.len()]));
+        // As it comes out of a file.
+        self.from = Some(postcard::from_bytes(&postcard::to_stdvec(checkpoint).unwrap()).unwrap());
+        self
+    }
+}
 
 fn above(value: RealExpression, limit: f64) -> Formula {
     let value = RealExpression::Subtract(Box::new(value), Box::new(number(limit)));
@@ -16,7 +31,7 @@ fn within(to: u64, body: Formula) -> Formula {
 }
 
 /// Periods of 1, 2, 3 and 6 ticks, both arrows, windows that are open across saves, a rise, and claims of all kinds.
-fn everything(ticks: u64) -> Script {
+pub fn everything(ticks: u64) -> Script {
     let sum = RealExpression::Add(Box::new(signal(0)), Box::new(signal(2)));
     let slow = unit(6, 1, |step| step.u + step.p + f64::from(step.before));
     let script = Script::new(vec![counter(1, 0), repeater(2, 1), counter(3, 0), repeater(1, 2), slow]);
@@ -98,7 +113,7 @@ fn a_step_that_is_lost_leaves_no_checkpoint_and_breaks_the_run_when_it_is_due() 
 #[test]
 fn a_checkpoint_of_another_shape_fits_no_run() {
     let checkpoint = everything(15).saving([4]).fly().checkpoints.remove(0);
-    let description = super::fake::description();
+    let description = description();
     let fits = |script: Script| checkpoint.fits(&script.scenario, &vec![&description; script.units.len()]);
     assert!(fits(everything(15)));
     assert!(!fits(everything(4)), "it is over");

@@ -165,18 +165,6 @@ impl Script {
         self
     }
 
-    pub fn saving(mut self, ticks: impl IntoIterator<Item = u64>) -> Self {
-        self.saves = ticks.into_iter().collect();
-        self
-    }
-
-    pub fn from(mut self, checkpoint: &Checkpoint) -> Self {
-        assert!(checkpoint.fits(&self.scenario, &vec![&description(); self.units.len()]));
-        // As it comes out of a file.
-        self.from = Some(postcard::from_bytes(&postcard::to_stdvec(checkpoint).unwrap()).unwrap());
-        self
-    }
-
     pub fn fly(self) -> Flown {
         let description = description();
         let descriptions = vec![&description; self.units.len()];
@@ -367,7 +355,11 @@ impl Worker for FakeWorker {
     fn restore(&mut self, _: u64, states: &[(usize, &[u8])]) -> Result<(), Lost> {
         assert!(states.iter().map(|(instance, _)| instance).eq(&self.mine));
         for &(instance, state) in states {
-            (self.steps[instance], self.results[instance]) = postcard::from_bytes(state).unwrap();
+            let cause = Cause::Other("no state of mine".to_owned());
+            let doing = Doing::Call(Call::DeSerializeFmuState);
+            let failure = || Failure { instance: Some(instance.to_string()), doing, time_s: None, cause };
+            let read = postcard::from_bytes(state).map_err(|_| Lost { instance, failure: failure() })?;
+            (self.steps[instance], self.results[instance]) = read;
         }
         Ok(())
     }

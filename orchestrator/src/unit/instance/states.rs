@@ -4,6 +4,7 @@ use super::Instance;
 use crate::failure::{Cause, Failure};
 use crate::unit::board::Now;
 use crate::unit::library::StateFunctions;
+use fmi2::c::FmuState;
 use fmi2::calls::Call;
 use std::ptr;
 
@@ -58,12 +59,7 @@ impl Instance {
         self.free_state(now, functions, state)
     }
 
-    fn free_state(
-        &mut self,
-        now: &Now<'_>,
-        functions: StateFunctions,
-        mut state: fmi2::c::FmuState,
-    ) -> Result<(), Failure> {
+    fn free_state(&mut self, now: &Now<'_>, functions: StateFunctions, mut state: FmuState) -> Result<(), Failure> {
         self.checked(now, Call::FreeFmuState, |_, component| {
             // SAFETY: the state is this instance's, and nobody uses it after this.
             unsafe { (functions.free)(component, &raw mut state) }
@@ -72,7 +68,7 @@ impl Instance {
 
     fn state_functions(&self, now: &Now<'_>) -> Result<StateFunctions, Failure> {
         self.library.states.map_err(|call| {
-            let text = format!("its library lacks the function `{}` that its modelDescription.xml offers", call.name());
+            let text = format!("its library lacks the function `{}` of its modelDescription.xml", call.name());
             self.failure(now, call, Cause::Other(text))
         })
     }
