@@ -82,7 +82,7 @@ pub fn fly_with<'a>(
         Err(failure) => return tell_end(board, Err(failure)),
     };
     let mut run = step_loop(plan, board, wiring, workers);
-    match run.run() {
+    match run.run(plan.from.as_ref()) {
         Ok(finish) => tell_end(board, run.close(Leaving::InPeace).map(|()| finish)),
         Err(failure) => {
             tell_end(board, Err(failure));
@@ -121,7 +121,7 @@ fn step_loop<'a>(
     let scenario = &plan.scenario;
     let claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
     let pace = plan.pace.map(|pace| Pace::new(pace, scenario.step_ns));
-    let told = Told::new(board, pace);
+    let told = Told::new(board, pace, &plan.saves);
     let wishes = Wishes { fail_fast: plan.fail_fast, record: plan.record };
     StepLoop::new(wiring, claims, workers, wishes, told)
 }

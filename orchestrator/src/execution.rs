@@ -7,6 +7,7 @@ use crate::report;
 use crate::report::console::{Console, Style};
 use crate::report::table::{Ending, Heading};
 use crate::supervise::{Ended, Orders, Placement, SuperviseError, supervise};
+use crate::trace::checkpoint::Saving;
 use crate::trace::csv::TraceFile;
 use crate::trace::run_folder::{RunFolder, SIGNALS_JSON, TRACE_CSV, VERDICT_JSON};
 use crate::trace::run_record::{Broken, RunRecord, RunState};
@@ -37,6 +38,8 @@ pub struct Outcome {
     pub folder: RunFolder,
     /// The script as the user named it.
     pub script: String,
+    /// The simulated seconds at which it began.
+    pub from_s: f64,
     /// The simulated seconds that the script asks for.
     pub stop_s: f64,
 }
@@ -50,7 +53,8 @@ impl Outcome {
             RunState::Broken => Ending::Broken,
             RunState::Finished | RunState::Running => Ending::Finished,
         };
-        Heading { script: &self.script, ending, stop_s: self.stop_s, wall_s: self.ended.wall.as_secs_f64() }
+        let wall_s = self.ended.wall.as_secs_f64();
+        Heading { script: &self.script, ending, from_s: self.from_s, stop_s: self.stop_s, wall_s }
     }
 }
 
@@ -59,8 +63,9 @@ impl Outcome {
 /// # Errors
 /// If the run could not be looked after, or its files not be written.
 pub fn carry_out(ready: Preparation, manner: Manner) -> Result<Outcome, SuperviseError> {
-    let Preparation { plan, mut record, mut folder, home: _home, script } = ready;
-    let ended = look_after(&plan, &folder, manner).inspect_err(|error| note_break(&mut folder, &mut record, error))?;
+    let Preparation { plan, saving, mut record, mut folder, home: _home, script } = ready;
+    let ended =
+        look_after(&plan, &saving, &folder, manner).inspect_err(|error| note_break(&mut folder, &mut record, error))?;
     if let Some(failure) = &ended.failure {
         report::error(failure, failure.help().as_deref());
     }
@@ -71,15 +76,15 @@ pub fn carry_out(ready: Preparation, manner: Manner) -> Result<Outcome, Supervis
     record.broken = ended.failure.as_ref().map(Broken::from);
     leave(&mut folder, &mut record, &verdict).map_err(SuperviseError::Trace)?;
     let stop_s = seconds(plan.scenario.stop_tick, plan.scenario.step_ns);
-    Ok(Outcome { ended, verdict, folder, script, stop_s })
+    Ok(Outcome { ended, verdict, folder, script, from_s: plan.from_s(), stop_s })
 }
 
-fn look_after(plan: &Plan, folder: &RunFolder, manner: Manner) -> Result<Ended, SuperviseError> {
+fn look_after(plan: &Plan, saving: &Saving, folder: &RunFolder, manner: Manner) -> Result<Ended, SuperviseError> {
     let program = std::env::current_exe();
     let program = program.map_err(|error| SuperviseError::Start { doing: "find this program", error })?;
     let trace = begin_trace(folder, plan).map_err(SuperviseError::Trace)?;
     let step_timeout = (!manner.step_timeout.is_zero()).then_some(manner.step_timeout);
-    let orders = Orders { plan, program, step_timeout, placement: manner.placement };
+    let orders = Orders { plan, saving, program, step_timeout, placement: manner.placement };
     supervise(&orders, trace, &mut Console::stderr(manner.style))
 }
 

@@ -71,6 +71,12 @@ pub fn signal_name(signal: i32) -> Option<&'static str> {
 }
 
 impl Failure {
+    /// Something that has to do with no unit.
+    #[must_use]
+    pub fn between_calls(time_s: f64, text: String) -> Self {
+        Self { instance: None, doing: Doing::BetweenCalls, time_s: Some(time_s), cause: Cause::Other(text) }
+    }
+
     /// What the user can do about it, where there is something.
     #[must_use]
     pub fn help(&self) -> Option<String> {

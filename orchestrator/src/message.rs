@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 pub enum Message {
     /// A unit's own log message, printf arguments already in place.
     Log(LogMessage),
+    /// The run as it was after the row of this tick lies where the plan says.
+    Saved(u64),
     /// The run ended by itself; nothing follows.
     Finished(Finish),
     /// The run broke; nothing follows but words of units that are freed.

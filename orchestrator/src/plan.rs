@@ -1,5 +1,7 @@
 //! What the parent of a run hands to the process that steps it.
 
+use crate::step_loop::Checkpoint;
+use crate::wiring::seconds;
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;
 use serde::{Deserialize, Serialize};
@@ -26,6 +28,28 @@ pub struct Plan {
     pub record: bool,
     /// Simulated seconds for each second of the wall clock (`--pace`); `None` for as fast as it goes.
     pub pace: Option<f64>,
+    /// When the run is to be kept as it is, each time once.
+    pub saves: Vec<PlannedSave>,
+    /// Where the run continues; `None` for the start.
+    pub from: Option<Checkpoint>,
+}
+
+impl Plan {
+    /// The simulated seconds at which the run begins.
+    #[must_use]
+    pub fn from_s(&self) -> f64 {
+        self.from.as_ref().map_or(0.0, |checkpoint| seconds(checkpoint.tick, self.scenario.step_ns))
+    }
+}
+
+/// A checkpoint that is to be made.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PlannedSave {
+    /// After the row of this tick.
+    pub tick: u64,
+    /// The private file that takes it on its way to the parent.
+    #[serde(with = "path_bytes")]
+    pub file: PathBuf,
 }
 
 /// A unit, unpacked by the parent.

@@ -1,14 +1,21 @@
 //! Everything that happens before the first unit is instantiated; whatever is wrong here ends with exit code 2.
 
+mod checkpoints;
+
+pub use checkpoints::CheckpointWishes;
+
 use crate::catalogue::Catalogue;
-use crate::plan::{Plan, PlannedUnit};
+use crate::plan::{Plan, PlannedSave, PlannedUnit};
 use crate::report::{error_text, status};
 use crate::script::Script;
+use crate::trace::checkpoint::Saving;
 use crate::trace::run_folder::RunFolder;
 use crate::trace::run_record::{HashedFile, Host, RunRecord, RunState, now, sha256};
 use crate::unit::archive::{Unpacked, unpack};
+use checkpoints::{Candidate, Checkpoints};
 use dsl::scenario::{Scenario, Value};
 use fmi2::description::{Finding, Severity};
+use std::collections::BTreeSet;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -29,6 +36,8 @@ pub struct Wanted {
     pub record: bool,
     /// Simulated seconds for each second of the wall clock, if it is not to run as fast as it can.
     pub pace: Option<f64>,
+    /// What to save, and where to continue from.
+    pub checkpoints: CheckpointWishes,
     /// What the run reads besides what the script names.
     pub files: Vec<HashedFile>,
 }
@@ -38,6 +47,8 @@ pub struct Wanted {
 pub struct Preparation {
     /// What is run.
     pub plan: Plan,
+    /// The checkpoints that it is to leave.
+    pub saving: Saving,
     /// What `run.json` says so far.
     pub record: RunRecord,
     /// The folder of the results, locked.
@@ -84,19 +95,32 @@ pub fn prepare(mut script: Script, wanted: Wanted) -> Result<Preparation, Refusa
     let home = TempDir::with_prefix(HOME_PREFIX)
         .map_err(|error| Refusal::new(&format!("cannot make a folder for the units: {error}"), None))?;
     let (units, hashes) = unpack_all(&script, home.path())?;
-    let record = record(&script, &scenario, hashes, files);
+    let unit_of: Vec<_> = scenario.instances.iter().map(|instance| unit_of(&units, &instance.unit)).collect();
+    let mut record = record(&script, &scenario, hashes, files);
+    let candidate = Candidate { scenario: &scenario, units: &units, unit_of: &unit_of, record: &record };
+    let Checkpoints { saving, from } = candidate.checkpoints(&wanted.checkpoints)?;
+    let (from, continued) = from.unzip();
+    record.from = continued;
     let folder = RunFolder::claim(&wanted.out, &record).map_err(|error| Refusal::new(&error, error.help()))?;
     let plan = Plan {
-        unit_of: scenario.instances.iter().map(|instance| unit_of(&units, &instance.unit)).collect(),
+        unit_of,
         scenario,
         folder: script.folder.canonicalize().unwrap_or_else(|_| script.folder.clone()),
         board: home.path().join("board"),
         fail_fast: wanted.fail_fast,
         record: wanted.record,
         pace: wanted.pace,
+        saves: planned_saves(&saving, home.path()),
+        from,
         units,
     };
-    Ok(Preparation { plan, record, folder, home, script: script.name })
+    Ok(Preparation { plan, saving, record, folder, home, script: script.name })
+}
+
+/// A private file for each tick at which something is saved.
+fn planned_saves(saving: &Saving, home: &Path) -> Vec<PlannedSave> {
+    let ticks: BTreeSet<_> = saving.files.iter().map(|(tick, _)| *tick).collect();
+    ticks.into_iter().map(|tick| PlannedSave { tick, file: home.join(format!("checkpoint{tick}")) }).collect()
 }
 
 /// Takes away the private folder of a run whose owner was killed. Several processes may do so at once.
@@ -178,6 +202,7 @@ fn record(script: &Script, scenario: &Scenario, units: Vec<HashedFile>, files: V
         script: HashedFile { name: script.name.clone(), sha256: sha256(script.text.as_bytes()) },
         units,
         files,
+        from: None,
         parameters: scenario.parameters.clone(),
         host: Host::this(),
         started: now(),

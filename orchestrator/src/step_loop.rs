@@ -3,12 +3,14 @@
 //! It works on flat arrays and allocates, hashes, formats and waits for nothing but its workers. Next on the walk: the
 //! workers' units, `fmus/<unit>/src/lib.rs`, and back through `claims/` and `trace/`.
 
+mod checkpoint;
 mod gather;
 mod initialise;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod witness;
 
+pub use checkpoint::Checkpoint;
 pub use witness::Witness;
 
 use crate::claims::{Claims, Ending};
@@ -17,7 +19,8 @@ use crate::failure::Failure;
 use crate::message::{Finish, Reason};
 use crate::values::Values;
 use crate::wiring::Wiring;
-use crate::worker::{Leaving, Order, Terminated, Ticket, Worker};
+use crate::worker::{Leaving, Order, Terminated, Worker};
+use gather::UnderWay;
 
 /// What a run may be told besides its scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,7 +45,9 @@ pub struct StepLoop<'a, W> {
     /// Inputs as they last acted.
     inputs: Values,
     /// Orders whose replies nobody asked for yet, by group.
-    under_way: Vec<Option<Ticket>>,
+    under_way: Vec<Option<UnderWay>>,
+    /// Results that a checkpoint awaited before they are due.
+    early: Values,
     /// Units that are done for good, with the tick at which that counts.
     terminated: Vec<(u64, Terminated)>,
     /// Whether each condition of `rises` held at the last sample, and whether it rises now.
@@ -61,7 +66,8 @@ impl<'a, W: Witness> StepLoop<'a, W> {
             visible: wiring.outputs.clone(),
             latest: wiring.outputs.clone(),
             inputs: wiring.inputs.clone(),
-            under_way: vec![None; wiring.groups.len()],
+            under_way: wiring.groups.iter().map(|_| None).collect(),
+            early: wiring.outputs.clone(),
             terminated: Vec::new(),
             held: vec![false; wiring.rises.len()],
             rises: vec![false; wiring.rises.len()],
@@ -76,12 +82,14 @@ impl<'a, W: Witness> StepLoop<'a, W> {
         }
     }
 
-    /// Runs to the end, whatever end that is, and tells the witness how the claims stand then.
+    /// Runs to the end, whatever end that is, and tells the witness how the claims stand then. With a checkpoint it begins
+    /// behind the checkpoint's row.
     ///
     /// # Errors
     /// The run broke.
-    pub fn run(&mut self) -> Result<Finish, Failure> {
-        let ended = self.initialise().and_then(|()| self.ticks());
+    pub fn run(&mut self, from: Option<&Checkpoint>) -> Result<Finish, Failure> {
+        let restored = self.initialise().and_then(|()| from.map_or(Ok(()), |checkpoint| self.restore(checkpoint)));
+        let ended = restored.and_then(|()| self.ticks());
         let ending = match &ended {
             Ok(Finish { reason: Reason::StopTime | Reason::Terminated(_), .. }) => Ending::Complete,
             _ => Ending::CutOff,
@@ -92,7 +100,8 @@ impl<'a, W: Witness> StepLoop<'a, W> {
     }
 
     fn ticks(&mut self) -> Result<Finish, Failure> {
-        let mut tick = 0;
+        // One sample is taken at each tick.
+        let mut tick = self.samples;
         loop {
             let time_s = self.wiring.seconds(tick);
             self.witness.reached(tick);
@@ -113,6 +122,9 @@ impl<'a, W: Witness> StepLoop<'a, W> {
                 }
             }
             self.record(tick);
+            if self.witness.wants_checkpoint(tick) {
+                self.save(tick)?;
+            }
             tick += 1;
         }
     }
@@ -170,7 +182,7 @@ impl<'a, W: Witness> StepLoop<'a, W> {
             }
             let worker = &mut self.workers[self.wiring.groups[group].worker];
             let ticket = worker.order(&Order { group, tick, inputs: &self.inputs }).map_err(|lost| lost.failure)?;
-            self.under_way[group] = Some(ticket);
+            self.under_way[group] = Some(UnderWay::Ordered(ticket));
         }
         self.await_direct(groups, tick)
     }

@@ -16,7 +16,9 @@ use crate::plan::Plan;
 use crate::report::console::Console;
 use crate::report::progress::Progress;
 use crate::trace::TraceError;
+use crate::trace::checkpoint::Saving;
 use crate::trace::csv::TraceFile;
+use crate::trace::shortest_decimal;
 use crate::trace::verdict::{Finding, JudgedClaim, Judgement};
 use crate::unit::board::{Board, BoardLayout, InCall};
 use crate::watchdog::Watchdog;
@@ -28,7 +30,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use std::{fmt, thread};
+use std::{fmt, fs, thread};
 pub use stepping_process::SUBCOMMAND;
 use stepping_process::SteppingProcess;
 use words::Words;
@@ -46,6 +48,8 @@ const FAREWELL: Duration = Duration::from_secs(2);
 pub struct Orders<'a> {
     /// What to run.
     pub plan: &'a Plan,
+    /// The checkpoints that it is to leave.
+    pub saving: &'a Saving,
     /// The program that knows the subcommand `step-loop`.
     pub program: PathBuf,
     /// How long a call of a unit may take; `None` waits for ever.
@@ -203,6 +207,9 @@ fn look_after<W: Write>(
 /// A run that goes on.
 struct Supervision<'a, W: Write> {
     plan: &'a Plan,
+    saving: &'a Saving,
+    /// The checkpoints that are written, by tick.
+    kept: Vec<u64>,
     board: &'a Board,
     console: &'a mut Console<W>,
     trace: Option<TraceFile>,
@@ -223,6 +230,8 @@ impl<'a, W: Write> Supervision<'a, W> {
         let now = Instant::now();
         Self {
             plan: orders.plan,
+            saving: orders.saving,
+            kept: Vec::new(),
             board,
             console,
             trace,
@@ -257,7 +266,10 @@ impl<'a, W: Write> Supervision<'a, W> {
         let busy = rows + messages.len() > 0;
         for message in messages {
             match message {
-                Ok(message) => self.hear(message),
+                Ok(message) => {
+                    let heard = self.hear(message);
+                    refused = refused.or(heard.err());
+                }
                 Err(error) => self.console.say(&format!("warning: a message of a unit could not be read: {error}")),
             }
         }
@@ -274,11 +286,39 @@ impl<'a, W: Write> Supervision<'a, W> {
         refused.map_or(Ok(busy), Err)
     }
 
-    fn hear(&mut self, message: Message) {
+    fn hear(&mut self, message: Message) -> Result<(), TraceError> {
         match message {
             Message::Log(said) => self.words.hear(said),
+            Message::Saved(tick) => return self.keep(tick),
             Message::Finished(finish) => self.finish = Some(finish),
             Message::Broken(failure) => self.failure = Some(failure),
+        }
+        Ok(())
+    }
+
+    /// Writes the checkpoints of a tick.
+    fn keep(&mut self, tick: u64) -> Result<(), TraceError> {
+        let Some(save) = self.plan.saves.iter().find(|save| save.tick == tick) else { return Ok(()) };
+        let checkpoint = fs::read(&save.file).map_err(TraceError::io("read", &save.file))?;
+        for file in self.saving.files_at(tick) {
+            self.saving.write(file, &checkpoint)?;
+            let time = shortest_decimal(seconds(tick, self.plan.scenario.step_ns));
+            self.console.say(&format!("saved {} at {time} s", file.display()));
+        }
+        self.kept.push(tick);
+        fs::remove_file(&save.file).map_err(TraceError::io("remove", &save.file))
+    }
+
+    /// Tells which checkpoints the run did not come to.
+    fn tell_unsaved(&mut self, last_tick: u64) {
+        let time = |tick| shortest_decimal(seconds(tick, self.plan.scenario.step_ns));
+        for (tick, file) in self.saving.files.iter().filter(|(tick, _)| !self.kept.contains(tick)) {
+            let why = if last_tick > *tick {
+                format!("a step that was under way at {} s failed", time(*tick))
+            } else {
+                format!("the run ended at {} s and was to be saved at {} s", time(last_tick), time(*tick))
+            };
+            self.console.say(&format!("warning: {} was not saved: {why}", file.display()));
         }
     }
 
@@ -322,9 +362,11 @@ impl<'a, W: Write> Supervision<'a, W> {
         let scenario = &self.plan.scenario;
         let (tick, board, wall_s) = (self.board.tick(), self.board, self.began.elapsed().as_secs_f64());
         let part = tick as f64 / scenario.stop_tick.max(1) as f64;
+        let from_s = self.plan.from_s();
         self.console.progress(part, || Progress {
             time_s: seconds(tick, scenario.step_ns),
             stop_s: seconds(scenario.stop_tick, scenario.step_ns),
+            from_s,
             wall_s,
             claims: standing_claims(board, self.plan),
         });
@@ -348,6 +390,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             (None, Some(last_row)) => last_row,
             (None, None) => self.board.tick(),
         };
+        self.tell_unsaved(last_tick);
         Ok(Ended {
             last_tick,
             interrupted: ended_by_loop.unwrap_or(self.interrupts > 0),

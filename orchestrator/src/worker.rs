@@ -99,6 +99,19 @@ pub trait Worker {
     /// The first instance in the script's order whose step failed, or the worker is gone.
     fn reply(&mut self, ticket: Ticket, due_tick: u64, outputs: &mut Values) -> Result<Reply, Lost>;
 
+    /// Between two ticks, when no order is under way: the state of each of its instances, with the instance.
+    ///
+    /// # Errors
+    /// The first instance in the script's order that refuses, or the worker is gone.
+    fn save(&mut self, tick: u64) -> Result<Vec<(usize, Vec<u8>)>, Lost>;
+
+    /// After initialization: takes each of its instances to a state that [`Worker::save`] brought at this tick, maybe of
+    /// another worker.
+    ///
+    /// # Errors
+    /// The first instance in the script's order that refuses, or the worker is gone.
+    fn restore(&mut self, tick: u64, states: &[(usize, &[u8])]) -> Result<(), Lost>;
+
     /// Terminates and frees all instances that still allow it; nothing can be asked afterwards.
     ///
     /// # Errors

@@ -12,7 +12,7 @@
  * -DMISBEHAVE_FROM_S=<seconds> says from which time on in GET, SET and STEP; 0 unless given.
  * -DSTEP_TAKES_US=<microseconds> makes each step slow.
  * -DVERSION, -DTYPES_PLATFORM change what the unit says of itself, -DWITHOUT_SET_STRING and -DWITHOUT_STATUS leave
- * functions out, -DNEEDS_SYMBOL refers to a function that nobody has, -DDISTURB changes rounding mode and working
+ * functions out, so does -DWITHOUT_STATES; -DWITH_STATES saves and restores states. -DNEEDS_SYMBOL refers to a function that nobody has, -DDISTURB changes rounding mode and working
  * directory while it is instantiated.
  */
 #include <math.h>
@@ -269,14 +269,62 @@ EXPORT int fmi2GetBooleanStatus(struct unit *unit, int kind, int *value) {
 EXPORT int fmi2GetStringStatus(struct unit *unit, int kind, const char **value) { (void)unit, (void)kind, (void)value; return STATUS_DISCARD; }
 #endif
 
+#ifdef WITH_STATES
+/* A state is a copy of the whole, in memory of the importer; whose it is does not change with it. */
+EXPORT int fmi2GetFMUstate(struct unit *unit, void **state) {
+    if (!*state) *state = unit->callbacks->allocate(1, sizeof *unit);
+    if (!*state) return STATUS_ERROR;
+    memcpy(*state, unit, sizeof *unit);
+    return OK;
+}
+EXPORT int fmi2SetFMUstate(struct unit *unit, void *state) {
+    const struct callbacks *callbacks = unit->callbacks;
+    char *name = unit->name;
+    if (!state) return STATUS_ERROR;
+    memcpy(unit, state, sizeof *unit);
+    unit->callbacks = callbacks, unit->name = name;
+    return OK;
+}
+EXPORT int fmi2FreeFMUstate(struct unit *unit, void **state) {
+    unit->callbacks->release(*state);
+    *state = NULL;
+    return OK;
+}
+EXPORT int fmi2SerializedFMUstateSize(struct unit *unit, void *state, size_t *size) {
+    (void)unit, (void)state;
+    *size = sizeof(struct unit);
+    return OK;
+}
+EXPORT int fmi2SerializeFMUstate(struct unit *unit, void *state, char bytes[], size_t size) {
+    (void)unit;
+    if (size < sizeof(struct unit)) return STATUS_ERROR;
+    memcpy(bytes, state, sizeof(struct unit));
+    /* Addresses mean nothing to whoever reads it. */
+    memset(bytes, 0, offsetof(struct unit, label));
+    return OK;
+}
+EXPORT int fmi2DeSerializeFMUstate(struct unit *unit, const char bytes[], size_t size, void **state) {
+    if (size != sizeof *unit) {
+        LOG(unit, STATUS_ERROR, "logStatusError", "a state has %zu bytes, not %zu", sizeof *unit, size);
+        return STATUS_ERROR;
+    }
+    if (!*state) *state = unit->callbacks->allocate(1, size);
+    if (!*state) return STATUS_ERROR;
+    memcpy(*state, bytes, size);
+    return OK;
+}
+#endif
+
 /* Capabilities that the description does not claim: exported, and refused. */
 #define REFUSED(name, ...) EXPORT int name(__VA_ARGS__) { return STATUS_ERROR; }
+#if !defined WITH_STATES && !defined WITHOUT_STATES
 REFUSED(fmi2GetFMUstate, void *unit, void **state)
 REFUSED(fmi2SetFMUstate, void *unit, void *state)
 REFUSED(fmi2FreeFMUstate, void *unit, void **state)
 REFUSED(fmi2SerializedFMUstateSize, void *unit, void *state, size_t *size)
 REFUSED(fmi2SerializeFMUstate, void *unit, void *state, char bytes[], size_t size)
 REFUSED(fmi2DeSerializeFMUstate, void *unit, const char bytes[], size_t size, void **state)
+#endif
 REFUSED(fmi2GetDirectionalDerivative, void *unit, const unsigned z[], size_t nz, const unsigned v[], size_t nv, const double dv[], double dz[])
 REFUSED(fmi2SetRealInputDerivatives, void *unit, const unsigned vr[], size_t count, const int order[], const double value[])
 REFUSED(fmi2GetRealOutputDerivatives, void *unit, const unsigned vr[], size_t count, const int order[], double value[])

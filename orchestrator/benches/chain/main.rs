@@ -13,7 +13,7 @@ mod peer;
 
 use dsl::scenario::{Connection, Drive, Instance as Planned, Port, Scenario};
 use orchestrator::claims::{Claims, Standing};
-use orchestrator::step_loop::{StepLoop, Wishes, Witness};
+use orchestrator::step_loop::{Checkpoint, StepLoop, Wishes, Witness};
 use orchestrator::unit::board::Board;
 use orchestrator::wiring::Wiring;
 use orchestrator::worker::{InProcess, Seating, Worker};
@@ -58,7 +58,7 @@ fn by_loop(unit: &Unit, units: usize, ticks: u64) -> Result<Duration, Box<dyn Er
         Box::new(InProcess::new(wiring.step_ns, &wiring.groups, &wiring.members, seatings, unit.board.note(0)));
     let mut run = StepLoop::new(wiring, claims, vec![worker], Wishes::default(), Nobody { board: &unit.board });
     let begun = Instant::now();
-    let finish = run.run();
+    let finish = run.run(None);
     let took = begun.elapsed();
     assert_eq!(finish.map_err(told)?.last_tick, ticks, "the run of the benchmark is complete");
     Ok(took)
@@ -107,5 +107,11 @@ impl Witness for Nobody<'_> {
         self.board.stop_requested()
     }
     fn row(&mut self, _: u64, _: &[u64]) {}
+    fn wants_checkpoint(&self, _: u64) -> bool {
+        false
+    }
+    fn checkpoint(&mut self, _: &Checkpoint) -> Result<(), String> {
+        Ok(())
+    }
     fn claim(&mut self, _: usize, _: Standing) {}
 }

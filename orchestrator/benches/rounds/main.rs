@@ -147,5 +147,16 @@ fn plan(unit: &Unit, count: usize) -> Plan {
     let (description, sha256) = (unit.description.clone(), String::new());
     let units = vec![PlannedUnit { name: "echo".to_owned(), folder: unit.folder(), description, sha256 }];
     let (folder, board) = (unit.folder(), unit.folder().join("board"));
-    Plan { scenario, units, unit_of: vec![0; count], folder, board, fail_fast: false, record: false, pace: None }
+    Plan {
+        scenario,
+        units,
+        unit_of: vec![0; count],
+        folder,
+        board,
+        fail_fast: false,
+        record: false,
+        pace: None,
+        saves: Vec::new(),
+        from: None,
+    }
 }

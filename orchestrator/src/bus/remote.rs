@@ -235,6 +235,20 @@ impl Worker for Remote<'_> {
         Ok(Reply { terminated })
     }
 
+    fn save(&mut self, tick: u64) -> Result<Vec<(usize, Vec<u8>)>, Lost> {
+        let asked = self.ask(Kind::Save, tick, &[])?;
+        let Aside { states, .. } = self.answer(asked, |_, _| Ok(()))?;
+        if !states.iter().map(|(index, _)| index).eq(self.members.iter().map(|(index, _)| index)) {
+            return Err(self.give_up(tick, Cause::Other("its worker answered with other states than asked".to_owned())));
+        }
+        Ok(states)
+    }
+
+    fn restore(&mut self, tick: u64, states: &[(usize, &[u8])]) -> Result<(), Lost> {
+        let asked = self.ask(Kind::Restore, tick, &bytes(&states))?;
+        self.agree(asked)
+    }
+
     fn finish(&mut self, tick: u64, leaving: Leaving) -> Result<(), Lost> {
         if self.dead.is_some() {
             return Ok(());

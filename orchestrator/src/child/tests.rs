@@ -76,7 +76,8 @@ pub(crate) fn plan(ticks: u64, unit: &Unpacked) -> Plan {
     let units = vec![PlannedUnit { name, folder, description, sha256 }];
     let (folder, board) = (PathBuf::new(), PathBuf::new());
     let (scenario, unit_of) = (scenario(ticks), vec![0, 0]);
-    Plan { scenario, units, unit_of, folder, board, fail_fast: true, record: true, pace: None }
+    let (saves, from) = (Vec::new(), None);
+    Plan { scenario, units, unit_of, folder, board, fail_fast: true, record: true, pace: None, saves, from }
 }
 
 #[test]
@@ -92,7 +93,7 @@ fn a_long_flight_asks_for_memory_as_often_as_a_short_one() {
             InProcess::new(wiring.step_ns, &wiring.groups, &wiring.members, boarded(&plan, &board), board.note(0));
         let mut run = step_loop(&plan, &board, wiring, vec![Box::new(worker)]);
         let mut finish = None;
-        let count = allocations::during(|| finish = run.run().ok());
+        let count = allocations::during(|| finish = run.run(None).ok());
         assert_eq!(finish, Some(Finish { last_tick: ticks, reason: Reason::StopTime }));
         assert_eq!(board.pop_rows(|_, _| ()) as u64, ticks + 1);
         count

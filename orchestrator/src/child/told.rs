@@ -3,19 +3,21 @@
 use super::pace::Pace;
 use crate::claims::Standing;
 use crate::message::Message;
-use crate::step_loop::Witness;
+use crate::plan::PlannedSave;
+use crate::step_loop::{Checkpoint, Witness};
 use crate::unit::board::{Board, ClaimNote};
 
 /// Tells the board.
 pub struct Told<'a> {
     board: &'a Board,
     pace: Option<Pace>,
+    saves: &'a [PlannedSave],
 }
 
 impl<'a> Told<'a> {
-    /// Tells this board, no faster than this pace.
-    pub fn new(board: &'a Board, pace: Option<Pace>) -> Self {
-        Self { board, pace }
+    /// Tells this board, no faster than this pace, and keeps the run where that is planned.
+    pub fn new(board: &'a Board, pace: Option<Pace>, saves: &'a [PlannedSave]) -> Self {
+        Self { board, pace, saves }
     }
 }
 
@@ -36,6 +38,21 @@ impl Witness for Told<'_> {
     #[inline]
     fn row(&mut self, tick: u64, row: &[u64]) {
         self.board.push_row(tick, row);
+    }
+
+    #[inline]
+    fn wants_checkpoint(&self, tick: u64) -> bool {
+        self.saves.iter().any(|save| save.tick == tick)
+    }
+
+    fn checkpoint(&mut self, checkpoint: &Checkpoint) -> Result<(), String> {
+        let bytes = postcard::to_stdvec(checkpoint).map_err(|error| format!("cannot encode a checkpoint: {error}"))?;
+        for save in self.saves.iter().filter(|save| save.tick == checkpoint.tick) {
+            let written = std::fs::write(&save.file, &bytes);
+            written.map_err(|error| format!("cannot write {}: {error}", save.file.display()))?;
+        }
+        message(self.board, &Message::Saved(checkpoint.tick));
+        Ok(())
     }
 
     fn claim(&mut self, claim: usize, standing: Standing) {

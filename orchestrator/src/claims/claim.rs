@@ -2,6 +2,7 @@
 
 use super::history::History;
 use super::judged::{Join, Joined, Outcome};
+use super::memory::{Piece, Visit};
 use super::stream::{Atom, Stream, is_bounded};
 use super::{Ending, Standing, Verdict};
 use crate::expression::{Moment, Place};
@@ -62,6 +63,21 @@ impl AtStart {
                 history.take(tick, Some(moment));
                 false
             }
+        }
+    }
+
+    /// Shows what it remembers after so many samples of a run that goes on.
+    pub(super) fn visit(&mut self, samples: u64, each: &mut Visit<'_>) {
+        match self {
+            Self::Atom(_, outcome) => each(Piece::Outcomes(std::slice::from_mut(outcome))),
+            Self::Junction(_, parts) => parts.iter_mut().for_each(|part| part.visit(samples, each)),
+            Self::Word(word) => {
+                word.body.visit(each);
+                word.joined.visit(each);
+                each(Piece::Flag(&mut word.complete));
+            }
+            // Its outcome is found when the run has ended.
+            Self::History(history, _) => history.visit(samples, each),
         }
     }
 

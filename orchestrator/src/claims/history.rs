@@ -4,6 +4,7 @@
 //! parts are kept, in memory that is there from the start, and joined afterwards in one pass for each word.
 
 use super::judged::{Join, Joined, Outcome};
+use super::memory::{Piece, Visit};
 use super::stream::{Stream, horizon, is_bounded};
 use super::window::Window;
 use crate::expression::{Moment, Place};
@@ -55,6 +56,18 @@ impl History {
             }
             Self::Junction(_, parts) => parts.iter_mut().for_each(|part| part.take(tick, sample)),
             Self::Word(_, _, _, body) => body.take(tick, sample),
+        }
+    }
+
+    /// Shows what it remembers; after so many samples.
+    pub(super) fn visit(&mut self, samples: u64, each: &mut Visit<'_>) {
+        match self {
+            Self::Bounded(stream, values) => {
+                stream.visit(each);
+                each(Piece::Grown(values, samples.saturating_sub(stream.horizon)));
+            }
+            Self::Junction(_, parts) => parts.iter_mut().for_each(|part| part.visit(samples, each)),
+            Self::Word(_, _, _, body) => body.visit(samples, each),
         }
     }
 

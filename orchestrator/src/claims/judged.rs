@@ -1,12 +1,14 @@
 //! A judged value, and how values join under `and`, `or` and the temporal words.
 
+use super::memory::{Piece, Visit};
+use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
 /// A margin with its verdict and the tick of the sample that it comes from.
 ///
 /// The verdict is the margin's sign; at zero, where strictness decides, a failing value is −0. So one total order of
 /// numbers orders margins and verdicts at once.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Judged {
     signed: f64,
     /// The tick of the sample.
@@ -103,6 +105,12 @@ impl Joined {
         if self.counts.is_none_or(|counts| !self.join.prefers(counts, value)) {
             self.counts = outcome;
         }
+    }
+
+    /// Shows what it remembers.
+    pub(super) fn visit(&mut self, each: &mut Visit<'_>) {
+        each(Piece::Outcomes(std::slice::from_mut(&mut self.counts)));
+        each(Piece::Flag(&mut self.open));
     }
 
     /// The value that counts among those that are decided.

@@ -6,10 +6,13 @@
 mod claim;
 mod history;
 mod judged;
+mod memory;
 mod stream;
 #[cfg(test)]
 mod tests;
 mod window;
+
+pub use memory::Memory;
 
 use crate::expression::{Moment, Place};
 use claim::AtStart;
@@ -102,6 +105,11 @@ impl Claims {
                 }
             }
         }
+    }
+
+    /// How each claim stands.
+    pub fn standings(&self) -> impl Iterator<Item = (usize, Standing)> + '_ {
+        self.monitors.iter().map(|monitor| monitor.standing).enumerate()
     }
 
     /// The claim that was lost first.

@@ -1,6 +1,7 @@
 //! The value of a bounded formula at each tick, as soon as the samples that it looks at are there.
 
 use super::judged::{Join, Joined, Judged, Outcome};
+use super::memory::{Piece, Visit};
 use super::window::Window;
 use crate::expression::{Moment, Place, Program};
 use dsl::scenario::Formula;
@@ -73,6 +74,23 @@ impl Stream {
             Node::Word { body, window } => {
                 let outcome = body.take(tick, sample);
                 tick.checked_sub(body.horizon).and_then(|at| window.slide(at, outcome))
+            }
+        }
+    }
+
+    /// Shows what it remembers.
+    pub(super) fn visit(&mut self, each: &mut Visit<'_>) {
+        match &mut self.node {
+            Node::Atom(_) => {}
+            Node::Junction { parts, .. } => {
+                for (part, delay) in parts {
+                    part.visit(each);
+                    each(Piece::Outcomes(&mut delay.0));
+                }
+            }
+            Node::Word { body, window } => {
+                body.visit(each);
+                window.visit(each);
             }
         }
     }

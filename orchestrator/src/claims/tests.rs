@@ -48,14 +48,22 @@ fn horizon(formula: &Formula) -> u64 {
     }
 }
 
-fn judge(formula: &Formula, trace: &[[f64; 2]], stop_tick: u64, ending: Ending) -> (Claims, Standing) {
+fn claims_of(formula: &Formula, stop_tick: u64) -> Claims {
     let claim =
         Claim { name: String::new(), text: String::new(), line: 1, formula: formula.clone(), unit: None, limit: None };
-    let mut claims = Claims::new(&[claim], stop_tick, &mut |port| Slot { base: BaseType::Real, index: port.variable });
-    for (tick, sample) in (0..).zip(trace) {
+    Claims::new(&[claim], stop_tick, &mut |port| Slot { base: BaseType::Real, index: port.variable })
+}
+
+fn take(claims: &mut Claims, first_tick: u64, samples: &[[f64; 2]]) {
+    for (tick, sample) in (first_tick..).zip(samples) {
         let outputs = Values { reals: sample.to_vec(), ..Values::default() };
         claims.take(tick, &Moment { outputs: &outputs, time_s: 0.0, rises: &[] }, |_, _| {});
     }
+}
+
+fn judge(formula: &Formula, trace: &[[f64; 2]], stop_tick: u64, ending: Ending) -> (Claims, Standing) {
+    let mut claims = claims_of(formula, stop_tick);
+    take(&mut claims, 0, trace);
     let early = claims.monitors[0].standing;
     claims.end((trace.len() as u64).checked_sub(1), ending, |_, _| {});
     (claims, early)
@@ -134,6 +142,42 @@ proptest! {
             prop_assert_eq!(early.verdict, standing.verdict, "a decided claim stays decided");
         }
         prop_assert_eq!(claims.lost().is_some(), early.verdict == Verdict::Fails);
+    }
+
+    #[test]
+    fn claims_go_on_from_what_they_remembered_as_if_they_had_never_stopped(
+        formula in any_formula(), trace in any_trace(), cut in 1..12_usize, complete: bool, more in 0..5_u64,
+    ) {
+        let ending = if complete { Ending::Complete } else { Ending::CutOff };
+        let stop_tick = trace.len() as u64 - 1 + more;
+        let (whole, _) = judge(&formula, &trace, stop_tick, ending);
+        let (before, behind) = trace.split_at(cut.min(trace.len()));
+        let mut saved = claims_of(&formula, stop_tick);
+        take(&mut saved, 0, before);
+        let bytes = postcard::to_stdvec(&saved.memory()).unwrap();
+        let samples = before.len() as u64;
+        let mut continued = claims_of(&formula, stop_tick);
+        prop_assert!(continued.remember(&postcard::from_bytes(&bytes).unwrap(), samples));
+        prop_assert_eq!(continued.monitors[0].standing, saved.monitors[0].standing);
+        prop_assert_eq!(&postcard::to_stdvec(&continued.memory()).unwrap(), &bytes);
+        take(&mut continued, samples, behind);
+        prop_assert_eq!(continued.lost(), whole.lost());
+        continued.end(Some(trace.len() as u64 - 1), ending, |_, _| {});
+        prop_assert_eq!(continued.monitors[0].standing, whole.monitors[0].standing);
+    }
+
+    #[test]
+    fn what_other_claims_remembered_is_refused_or_survived(
+        formula in any_formula(), other in any_formula(), trace in any_trace(), samples in 1..12_u64,
+    ) {
+        let mut saved = claims_of(&other, 40);
+        take(&mut saved, 0, &trace);
+        let mut claims = claims_of(&formula, 40);
+        if claims.remember(&saved.memory(), samples) {
+            take(&mut claims, samples, &trace);
+            claims.end(Some(samples + trace.len() as u64 - 1), Ending::Complete, |_, _| {});
+            prop_assert_ne!(claims.monitors[0].standing.verdict, Verdict::Undecided);
+        }
     }
 
     #[test]

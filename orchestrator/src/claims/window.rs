@@ -1,6 +1,7 @@
 //! The smallest or largest value of a window that slides over a stream.
 
 use super::judged::{Join, Judged, Outcome};
+use super::memory::{Piece, Visit};
 use std::collections::VecDeque;
 
 /// A sliding window: a monotonic queue of the values that can still count.
@@ -38,6 +39,12 @@ impl Window {
         let open = self.last_open.is_some_and(|at| at >= first);
         let counts = self.candidates.front().map(|&(_, value)| value);
         counts.filter(|&value| !open || self.join.is_decided_by(value))
+    }
+
+    /// Shows what it remembers.
+    pub(super) fn visit(&mut self, each: &mut Visit<'_>) {
+        each(Piece::Candidates(&mut self.candidates, self.width));
+        each(Piece::Tick(&mut self.last_open));
     }
 }
 

@@ -2,12 +2,13 @@
 
 use super::exit_code;
 use crate::execution::{Manner, Outcome};
-use crate::preparation::{self, Preparation, Refusal, Wanted, default_folder};
+use crate::preparation::{self, CheckpointWishes, Preparation, Refusal, Wanted, default_folder};
 use crate::report;
 use crate::report::console::Style;
 use crate::report::table::{next_lines, replay_command};
 use crate::script::Script;
 use crate::supervise::Placement;
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -45,6 +46,12 @@ pub struct Run {
     /// Simulated seconds for each second of the wall clock, to watch it: 1 is real time [default: as fast as it goes]
     #[arg(long, value_name = "FACTOR", value_parser = pace)]
     pace: Option<f64>,
+    /// Saves the run as it is at a simulated time, for example 40s; may be given several times
+    #[arg(long, num_args = 2, value_names = ["TIME", "FILE"])]
+    save_at: Vec<OsString>,
+    /// Continues where --save-at saved a run of the same script, parameters and units
+    #[arg(long, value_name = "FILE")]
+    from: Option<PathBuf>,
     /// Print verdict.json instead of the table
     #[arg(long)]
     json: bool,
@@ -102,9 +109,22 @@ impl Run {
             fail_fast: self.fail_fast,
             record: self.record.is_none(),
             pace: self.pace,
+            checkpoints: CheckpointWishes { saves: self.saves()?, from: self.from.clone() },
             files: Vec::new(),
         };
         preparation::prepare(script, wanted)
+    }
+
+    /// The pairs of `--save-at`.
+    fn saves(&self) -> Result<Vec<(Duration, PathBuf)>, Refusal> {
+        let (pairs, _) = self.save_at.as_chunks();
+        let save = |[time, file]: &[OsString; 2]| {
+            let time = time.to_string_lossy();
+            let refused =
+                |error| Refusal::new(&format!("--save-at {time}: {error}"), Some("write a time, for example 40s"));
+            Ok((humantime::parse_duration(&time).map_err(refused)?, PathBuf::from(file)))
+        };
+        pairs.iter().map(save).collect()
     }
 
     fn tell(&self, outcome: &Outcome) {

@@ -7,7 +7,7 @@ mod start_values;
 
 use super::exit_code;
 use crate::execution::{Manner, Outcome};
-use crate::preparation::{self, Preparation, Refusal, Wanted};
+use crate::preparation::{self, CheckpointWishes, Preparation, Refusal, Wanted};
 use crate::report;
 use crate::report::console::Style;
 use crate::report::table::{heading_line, next_lines};
@@ -93,7 +93,8 @@ impl Simulate {
             let message = format!("--output {} lies in the folder of the results", output.display());
             return Err(Refusal::new(&message, Some("their rows are in its trace.csv anyway; name a file elsewhere")));
         }
-        preparation::prepare(script, Wanted { out, fail_fast: false, record: true, pace: None, files })
+        let checkpoints = CheckpointWishes::default();
+        preparation::prepare(script, Wanted { out, fail_fast: false, record: true, pace: None, checkpoints, files })
     }
 
     fn read_input(&self, path: &Path, alone: &Alone) -> Result<(input_file::Curves, HashedFile), Refusal> {

@@ -107,7 +107,13 @@ mod tests {
         let mut bytes = Vec::new();
         let mut console = Console::new(&mut bytes, style);
         for time_s in [0.0, 1.0, 2.0] {
-            console.progress(time_s / 2.0, || Progress { time_s, stop_s: 2.0, wall_s: 0.5, claims: vec![] });
+            console.progress(time_s / 2.0, || Progress {
+                time_s,
+                stop_s: 2.0,
+                from_s: 0.0,
+                wall_s: 0.5,
+                claims: vec![],
+            });
         }
         console.say("0.5 s  quad  warning  low battery");
         console.clear();

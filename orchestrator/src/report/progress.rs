@@ -12,6 +12,8 @@ pub struct Progress {
     pub time_s: f64,
     /// Simulated seconds at which the run ends.
     pub stop_s: f64,
+    /// Simulated seconds at which the run began; zero unless it continues.
+    pub from_s: f64,
     /// Seconds since the run began.
     pub wall_s: f64,
     /// The claims as they stand; those that say something already.
@@ -26,11 +28,12 @@ impl Progress {
     }
 
     fn speed(&self) -> f64 {
-        if self.wall_s > 0.0 { self.time_s / self.wall_s } else { 0.0 }
+        if self.wall_s > 0.0 { (self.time_s - self.from_s) / self.wall_s } else { 0.0 }
     }
 
     fn left_s(&self) -> Option<f64> {
-        (self.time_s > 0.0).then(|| self.wall_s * (self.stop_s - self.time_s) / self.time_s)
+        let done_s = self.time_s - self.from_s;
+        (done_s > 0.0).then(|| self.wall_s * (self.stop_s - self.time_s) / done_s)
     }
 
     /// The claim that is nearest to failing, seen from its limit; one that failed comes first.
@@ -138,7 +141,7 @@ mod tests {
         };
         let claims =
             vec![judged("tilt", ("deg", 0.0175), (35.0, true), 0.0525), judged("clear", ("m", 1.0), (0.8, false), 1.3)];
-        Progress { time_s: 22.5, stop_s: 90.0, wall_s: 1.5, claims }
+        Progress { time_s: 22.5, stop_s: 90.0, from_s: 0.0, wall_s: 1.5, claims }
     }
 
     #[test]

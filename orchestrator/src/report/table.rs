@@ -14,6 +14,8 @@ pub struct Heading<'a> {
     pub script: &'a str,
     /// How the run ended.
     pub ending: Ending,
+    /// The simulated seconds at which the run began; zero unless it continued.
+    pub from_s: f64,
     /// The simulated seconds that the script asks for.
     pub stop_s: f64,
     /// How long it took.
@@ -82,7 +84,10 @@ pub fn heading_line(heading: &Heading, verdict: &Verdict) -> String {
         Ending::Broken => format!("broke at {reached} s of {stop} s,"),
         Ending::Interrupted => format!("interrupted at {reached} s of {stop} s,"),
     };
-    let speed = if heading.wall_s > 0.0 { short(verdict.time_s / heading.wall_s) } else { "inf".to_owned() };
+    let how_far =
+        if heading.from_s > 0.0 { format!("{} s to {how_far}", shortest_decimal(heading.from_s)) } else { how_far };
+    let simulated_s = verdict.time_s - heading.from_s;
+    let speed = if heading.wall_s > 0.0 { short(simulated_s / heading.wall_s) } else { "inf".to_owned() };
     let parameters = parameters_line(&verdict.parameters);
     let line = format!("{}  {how_far} in {} ({speed}x)  {parameters}", heading.script, duration(heading.wall_s));
     line.trim_end().to_owned() + "\n"
@@ -178,7 +183,7 @@ mod tests {
     }
 
     fn heading(ending: Ending) -> Heading<'static> {
-        Heading { script: "scenarios/quad.scn", ending, stop_s: 90.0, wall_s: 6.2 }
+        Heading { script: "scenarios/quad.scn", ending, from_s: 0.0, stop_s: 90.0, wall_s: 6.2 }
     }
 
     #[test]

@@ -3,13 +3,50 @@
 use super::{StepLoop, Witness};
 use crate::failure::{Cause, Doing, Failure};
 use crate::message::{Finish, Reason};
+use crate::values::Values;
 use crate::wiring::Group;
-use crate::worker::{Lost, Terminated};
+use crate::worker::{Lost, Reply, Terminated, Ticket, Worker};
 use fmi2::calls::Call;
 use std::ops::Range;
 
 /// A unit that reached the end of its step may say so in its own rounding.
 const HALF_A_NANOSECOND_S: f64 = 0.5e-9;
+
+/// An order whose result is not yet due.
+#[derive(Debug)]
+pub(super) enum UnderWay {
+    /// Nobody has asked for its reply.
+    Ordered(Ticket),
+    /// A checkpoint asked early; the values lie aside.
+    Early(Box<Result<Reply, Lost>>),
+}
+
+impl UnderWay {
+    /// The units of which an early reply says that they are done for good.
+    pub fn terminated(&self) -> &[Terminated] {
+        match self {
+            Self::Early(result) => result.as_ref().as_ref().map_or(&[], |reply| &reply.terminated),
+            Self::Ordered(_) => &[],
+        }
+    }
+
+    /// The result, now that it is due.
+    fn result(
+        self,
+        (group, worker): (&Group, &mut (dyn Worker + '_)),
+        due_tick: u64,
+        early: &Values,
+        outputs: &mut Values,
+    ) -> Result<Reply, Lost> {
+        match self {
+            Self::Ordered(ticket) => worker.reply(ticket, due_tick, outputs),
+            Self::Early(result) => {
+                outputs.copy_ranges(early, &group.outputs);
+                *result
+            }
+        }
+    }
+}
 
 impl<W: Witness> StepLoop<'_, W> {
     /// Takes the results of all steps that end at this tick. A finish means that a unit ended before this tick, so that
@@ -28,9 +65,9 @@ impl<W: Witness> StepLoop<'_, W> {
                 continue;
             }
             let through_latest = !group.read_every.is_empty();
-            if let Some(ticket) = self.under_way[index].take() {
+            if let Some(order) = self.under_way[index].take() {
                 let outputs = if through_latest { &mut self.latest } else { &mut self.visible };
-                match self.workers[group.worker].reply(ticket, tick, outputs) {
+                match order.result((group, &mut *self.workers[group.worker]), tick, &self.early, outputs) {
                     Ok(reply) => self.terminated.extend(reply.terminated.into_iter().map(|unit| (tick, unit))),
                     Err(other) => keep_first(&mut lost, other),
                 }
@@ -61,9 +98,9 @@ impl<W: Witness> StepLoop<'_, W> {
             if !group.is_read_at(tick) {
                 continue;
             }
-            if let Some(ticket) = self.under_way[index].take() {
-                let due_tick = tick + group.every;
-                match self.workers[group.worker].reply(ticket, due_tick, &mut self.latest) {
+            if let Some(order) = self.under_way[index].take() {
+                let (due_tick, worker) = (tick + group.every, &mut *self.workers[group.worker]);
+                match order.result((group, worker), due_tick, &self.early, &mut self.latest) {
                     Ok(reply) => self.terminated.extend(reply.terminated.into_iter().map(|unit| (due_tick, unit))),
                     Err(other) => keep_first(&mut lost, other),
                 }

@@ -1,5 +1,6 @@
 //! Who sees a run while it goes on: the board, or a test.
 
+use super::Checkpoint;
 use crate::claims::Standing;
 
 /// Takes what the loop tells. Each of these is called often and must be quick.
@@ -10,6 +11,13 @@ pub trait Witness {
     fn stop_requested(&self) -> bool;
     /// A row is complete.
     fn row(&mut self, tick: u64, row: &[u64]);
+    /// Whether the run is to be kept as it is when the row of this tick is complete.
+    fn wants_checkpoint(&self, tick: u64) -> bool;
+    /// Keeps the run as it is.
+    ///
+    /// # Errors
+    /// What keeps it from being kept.
+    fn checkpoint(&mut self, checkpoint: &Checkpoint) -> Result<(), String>;
     /// A claim stands differently than before.
     fn claim(&mut self, claim: usize, standing: Standing);
 }

@@ -23,6 +23,7 @@ const EXITED_WITH_0: i32 = 0;
 struct Run {
     home: TempDir,
     plan: Plan,
+    saving: Saving,
     board: Board,
 }
 
@@ -40,9 +41,11 @@ impl Run {
             fail_fast: false,
             pace: None,
             record: true,
+            saves: vec![],
+            from: None,
         };
         let board = Board::private(&BoardLayout { notes: 1, columns: 1, claims: 2 }).unwrap();
-        Self { home, plan, board }
+        Self { home, plan, saving: Saving::default(), board }
     }
 
     fn rows(&self, count: u64) {
@@ -66,8 +69,13 @@ impl Run {
         let column = CsvColumn { name: "quad.x".to_owned(), base_type: BaseType::Real };
         let trace = TraceFile::begin(folder.begin(TRACE_CSV).unwrap(), self.plan.scenario.step_ns, &[column]).unwrap();
         let mut console = Console::new(Vec::new(), Style::Tenths);
-        let orders =
-            Orders { plan: &self.plan, program: PathBuf::new(), step_timeout: None, placement: Placement::Together };
+        let orders = Orders {
+            plan: &self.plan,
+            saving: &self.saving,
+            program: PathBuf::new(),
+            step_timeout: None,
+            placement: Placement::Together,
+        };
         let mut supervision = Supervision::new(&orders, &self.board, Some(trace), &mut console);
         supervision.drain().unwrap();
         let ended = supervision.conclude(cause_of_death(ExitStatus::from_raw(status)), None).unwrap();
@@ -75,7 +83,7 @@ impl Run {
     }
 
     fn trace(&self) -> String {
-        std::fs::read_to_string(self.home.path().join("run").join(TRACE_CSV)).unwrap()
+        fs::read_to_string(self.home.path().join("run").join(TRACE_CSV)).unwrap()
     }
 }
 
@@ -131,8 +139,13 @@ fn what_the_run_says_about_its_break_counts_more_than_how_its_process_ended() {
 fn a_death_is_kept_when_the_last_rows_cannot_be_written() {
     let run = Run::new();
     let mut console = Console::new(Vec::new(), Style::Tenths);
-    let orders =
-        Orders { plan: &run.plan, program: PathBuf::new(), step_timeout: None, placement: Placement::Together };
+    let orders = Orders {
+        plan: &run.plan,
+        saving: &run.saving,
+        program: PathBuf::new(),
+        step_timeout: None,
+        placement: Placement::Together,
+    };
     let supervision = Supervision::new(&orders, &run.board, None, &mut console);
     let full = TraceError::io("write", Path::new("trace.csv"))(io::ErrorKind::StorageFull.into());
     let error = supervision.conclude(Cause::Signal(DIED_OF_SIGSEGV), Some(full)).unwrap_err();
@@ -166,6 +179,7 @@ fn a_program_that_ends_at_once_breaks_the_run() {
     let run = Run::new();
     let orders = Orders {
         plan: &run.plan,
+        saving: &run.saving,
         program: Path::new("/bin/true").to_owned(),
         step_timeout: None,
         placement: Placement::Together,
@@ -180,6 +194,7 @@ fn a_program_that_cannot_be_started_is_an_error() {
     let run = Run::new();
     let orders = Orders {
         plan: &run.plan,
+        saving: &run.saving,
         program: PathBuf::from("/no/such/program"),
         step_timeout: None,
         placement: Placement::Together,

@@ -3,6 +3,7 @@
 //! The parent of a run writes all of it; the loop only hands over rows. `trace.csv`, `signals.json` and `verdict.json`
 //! have the same bytes wherever and whenever the run is repeated; what differs between hosts stands in `run.json` alone.
 
+pub mod checkpoint;
 pub mod csv;
 pub mod run_folder;
 pub mod run_record;

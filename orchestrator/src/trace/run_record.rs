@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use dsl::scenario::Parameter;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::time::{Duration, SystemTime};
 
@@ -21,6 +21,8 @@ pub struct RunRecord {
     pub units: Vec<HashedFile>,
     /// What `file("…")` named, in order.
     pub files: Vec<HashedFile>,
+    /// The checkpoint that it continued from, unless it ran from the start.
+    pub from: Option<Continued>,
     /// The parameters of the script with their values.
     pub parameters: Vec<Parameter>,
     /// The machine.
@@ -50,12 +52,21 @@ pub enum RunState {
 }
 
 /// A file that the run depends on.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HashedFile {
     /// As the script or the command line names it.
     pub name: String,
     /// SHA-256 of its bytes, hexadecimal.
     pub sha256: String,
+}
+
+/// Where a run continued from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Continued {
+    /// The checkpoint's file.
+    pub checkpoint: HashedFile,
+    /// The simulated seconds at which it was saved.
+    pub time_s: f64,
 }
 
 /// The machine that a run happened on.
@@ -155,6 +166,7 @@ pub(crate) mod tests {
             script: file("up.scn"),
             units: vec![file("quadcopter")],
             files: vec![],
+            from: None,
             parameters: vec![Parameter { name: "seed".to_owned(), value: "1".to_owned(), set: false }],
             host: Host { name: "here".to_owned(), system: "linux", processor: "x86_64" },
             started: "2030-01-02T03:04:05Z".to_owned(),

@@ -3,6 +3,7 @@
 //! Next on the walk of a number: `fmus/<unit>/src/lib.rs`, on the other side of the function pointers.
 
 mod lifecycle;
+mod states;
 mod strings;
 
 pub use lifecycle::Setting;

@@ -1,9 +1,11 @@
 //! A unit's dynamic library, loaded once for all of its instances.
 
 mod functions;
+mod states;
 mod surroundings;
 
 pub use functions::Functions;
+pub(super) use states::StateFunctions;
 pub(super) use surroundings::undisturbed;
 
 use super::board::Note;
@@ -26,6 +28,8 @@ use std::sync::{Arc, Once};
 #[derive(Debug)]
 pub struct Library {
     pub(super) functions: Functions,
+    /// Those that save and restore states, or the first that the library lacks.
+    pub(super) states: Result<StateFunctions, Call>,
     pub(super) guid: CString,
     /// `file:///…/resources`
     pub(super) resources: CString,
@@ -66,11 +70,13 @@ impl Library {
         drop(now);
         let opened = opened.map_err(|error| refusal(&path, &error))?;
         let functions = Functions::of(&opened, &path)?;
+        let states = StateFunctions::of(&opened);
         // Never closed, see the type's comment.
         std::mem::forget(opened);
         check_answers(&functions, &path, note, instance)?;
         Ok(Self {
             functions,
+            states,
             guid: text(&description.guid),
             resources: text(&file_uri(&folder.join("resources"))),
             only_once: description

@@ -36,6 +36,19 @@ impl Group {
     pub fn is_read_at(&self, tick: u64) -> bool {
         self.read_every.iter().any(|&every| tick.is_multiple_of(every))
     }
+
+    /// Whether the result of its last order is still to be asked for when this tick is over.
+    #[must_use]
+    pub fn is_under_way_after(&self, tick: u64) -> bool {
+        let ordered_tick = tick - tick % self.every;
+        self.read_every.iter().all(|every| tick - tick % every < ordered_tick)
+    }
+
+    /// When the order that is under way after this tick is due.
+    #[must_use]
+    pub fn due_after(&self, tick: u64) -> u64 {
+        tick - tick % self.every + self.every
+    }
 }
 
 /// Forms the groups, ordered by wave, and the range of groups of each wave.

@@ -196,6 +196,35 @@ impl Ports {
         Some(ports)
     }
 
+    /// The values of these ports alone, in their order, whatever lies around them.
+    #[must_use]
+    pub fn values(&self, among: &Values) -> Values {
+        Values {
+            reals: among.reals[self.reals.range()].to_vec(),
+            integers: among.integers[self.integers.range()].to_vec(),
+            booleans: among.booleans[self.booleans.range()].to_vec(),
+            texts: among.texts[self.texts.range()].to_vec(),
+        }
+    }
+
+    /// Whether there is one value for each of these ports.
+    #[must_use]
+    pub fn fit(&self, values: &Values) -> bool {
+        let counts = [&self.reals, &self.integers, &self.booleans, &self.texts].map(|span| span.references.len());
+        counts == [values.reals.len(), values.integers.len(), values.booleans.len(), values.texts.len()]
+    }
+
+    /// Puts what [`Ports::values`] took where these ports lie.
+    ///
+    /// # Panics
+    /// If the values do not fit.
+    pub fn store(&self, values: &Values, among: &mut Values) {
+        among.reals[self.reals.range()].copy_from_slice(&values.reals);
+        among.integers[self.integers.range()].copy_from_slice(&values.integers);
+        among.booleans[self.booleans.range()].copy_from_slice(&values.booleans);
+        among.texts[self.texts.range()].clone_from_slice(&values.texts);
+    }
+
     fn beginning_at(end: &Ranges) -> Self {
         let span = |start| Span { start, ..Span::default() };
         Self {

@@ -96,6 +96,13 @@ impl InProcess {
     }
 }
 
+/// The seats in the script's order.
+fn in_order(seats: &mut [Seat]) -> Vec<&mut Seat> {
+    let mut seats: Vec<_> = seats.iter_mut().collect();
+    seats.sort_by_key(|seat| seat.index);
+    seats
+}
+
 fn find(seats: &mut [Seat], index: usize) -> &mut Seat {
     let seat = seats.iter_mut().find(|seat| seat.index == index);
     seat.unwrap_or_else(|| unreachable!("instance {index} is not with this worker"))
@@ -116,9 +123,7 @@ impl Worker for InProcess {
 
     fn start(&mut self, outputs: &mut Values) -> Result<(), Lost> {
         let now = self.note.at(0, 0.0);
-        let mut seats: Vec<_> = self.seats.iter_mut().collect();
-        seats.sort_by_key(|seat| seat.index);
-        for seat in seats {
+        for seat in in_order(&mut self.seats) {
             let started = seat.instance.exit_initialization_mode(&now).and_then(|()| seat.get(&now, outputs));
             started.map_err(|failure| seat.lose(failure))?;
         }
@@ -155,6 +160,24 @@ impl Worker for InProcess {
             seat.get(&now, outputs).map_err(|failure| seat.lose(failure))?;
         }
         Ok(Reply { terminated: std::mem::take(&mut team.terminated) })
+    }
+
+    fn save(&mut self, tick: u64) -> Result<Vec<(usize, Vec<u8>)>, Lost> {
+        let now = self.note.at(tick, seconds(tick, self.step_ns));
+        let save = |seat: &mut Seat| {
+            let state = seat.instance.save(&now).map_err(|failure| seat.lose(failure))?;
+            Ok((seat.index, state))
+        };
+        in_order(&mut self.seats).into_iter().map(save).collect()
+    }
+
+    fn restore(&mut self, tick: u64, states: &[(usize, &[u8])]) -> Result<(), Lost> {
+        let now = self.note.at(tick, seconds(tick, self.step_ns));
+        for &(index, state) in states {
+            let seat = find(&mut self.seats, index);
+            seat.instance.restore(&now, state).map_err(|failure| seat.lose(failure))?;
+        }
+        Ok(())
     }
 
     fn finish(&mut self, tick: u64, _: Leaving) -> Result<(), Lost> {

@@ -23,8 +23,13 @@ pub(super) fn write(bytes: &mut Vec<u8>, instance: usize, ports: &Ports, values:
     {
         bytes.extend(number.to_le_bytes());
     }
-    bytes.extend(reals.iter().flat_map(|value| value.to_bits().to_le_bytes()));
-    bytes.extend(integers.iter().flat_map(|value| value.to_le_bytes()));
+    // In pieces of known length, which takes several at once.
+    for (piece, value) in grown(bytes, 8 * reals.len()).as_chunks_mut().0.iter_mut().zip(reals) {
+        *piece = value.to_bits().to_le_bytes();
+    }
+    for (piece, value) in grown(bytes, 4 * integers.len()).as_chunks_mut().0.iter_mut().zip(integers) {
+        *piece = value.to_le_bytes();
+    }
     bytes.extend(booleans.iter().map(|&value| u8::from(value != 0)));
     pad(bytes);
     for text in texts {
@@ -32,6 +37,13 @@ pub(super) fn write(bytes: &mut Vec<u8>, instance: usize, ports: &Ports, values:
         bytes.extend(text.as_bytes());
     }
     pad(bytes);
+}
+
+/// Room for so many bytes at the end.
+fn grown(bytes: &mut Vec<u8>, by: usize) -> &mut [u8] {
+    let before = bytes.len();
+    bytes.resize(before + by, 0);
+    &mut bytes[before..]
 }
 
 /// Zeros up to a multiple of 8; what comes before a block is one.
@@ -63,11 +75,13 @@ impl<'a> Blocks<'a> {
                 return Err(Malformed::Counts(instance));
             }
         }
-        for value in &mut values.reals[ports.reals.range()] {
-            *value = f64::from_bits(u64::from_le_bytes(self.take()?));
+        let reals = &mut values.reals[ports.reals.range()];
+        for (value, piece) in reals.iter_mut().zip(self.slice(8 * ports.reals.references.len())?.as_chunks().0) {
+            *value = f64::from_bits(u64::from_le_bytes(*piece));
         }
-        for value in &mut values.integers[ports.integers.range()] {
-            *value = i32::from_le_bytes(self.take()?);
+        let integers = &mut values.integers[ports.integers.range()];
+        for (value, piece) in integers.iter_mut().zip(self.slice(4 * ports.integers.references.len())?.as_chunks().0) {
+            *value = i32::from_le_bytes(*piece);
         }
         for value in &mut values.booleans[ports.booleans.range()] {
             let [byte] = self.take()?;

@@ -1,10 +1,12 @@
 //! What a worker answers: greeted, told what to hold, initialized, started, stepped, finished.
 
 use super::Spoken;
+use crate::bus::link::LONGEST_MESSAGE;
 use crate::bus::opening::{self, Aside, Company, Initial, Opening, Picked, Speaker};
 use crate::bus::wire::{Blocks, Header, Incoming, Kind, Malformed, Outgoing};
 use crate::child::boarding::{Gate, Passenger, enter_initialization};
 use crate::failure::{Cause, Doing, Failure};
+use crate::message::LogMessage;
 use crate::plan::PlannedUnit;
 use crate::unit::archive::read_unpacked;
 use crate::unit::board::Board;
@@ -136,8 +138,24 @@ impl Service {
         Outgoing::new(&Header { kind, schema: self.schema, ..order })
     }
 
-    /// The answer to an order, with what units said meanwhile.
+    /// The answer to an order, or why there is none, with what units said meanwhile.
     fn tell(&self, order: Header, done: Result<Done, Lost>) -> Vec<u8> {
+        let said = self.spoken.take();
+        let answer = self.compose(order, done, said.clone());
+        if answer.len() <= LONGEST_MESSAGE {
+            return answer;
+        }
+        let text = format!("an answer of {} bytes is longer than the {LONGEST_MESSAGE} that can be sent", answer.len());
+        let (doing, cause) = (Doing::BetweenCalls, Cause::Other(text));
+        let failure = Failure { instance: None, doing, time_s: None, cause };
+        let lost = match &self.stage {
+            Stage::Boarded(hold, _) | Stage::Seated(hold, _) => lost(&hold.opening, failure),
+            Stage::Silent | Stage::Greeted | Stage::Over => Lost { instance: 0, failure },
+        };
+        self.compose(order, Err(lost), said)
+    }
+
+    fn compose(&self, order: Header, done: Result<Done, Lost>, said: Vec<LogMessage>) -> Vec<u8> {
         let mut outgoing = self.reply(order);
         let aside = match done {
             Ok(Done { aside, delivered }) => {
@@ -150,7 +168,7 @@ impl Service {
             }
             Err(lost) => Aside { lost: Some(lost), ..Aside::default() },
         };
-        outgoing.finish(&Aside { said: self.spoken.take(), ..aside }.bytes())
+        outgoing.finish(&Aside { said, ..aside }.bytes())
     }
 }
 
@@ -160,6 +178,12 @@ struct Done {
     aside: Aside,
     /// The instances whose outputs go back.
     delivered: Vec<usize>,
+}
+
+impl Done {
+    fn saying(aside: Aside) -> Self {
+        Self { aside, ..Self::default() }
+    }
 }
 
 impl Hold {
@@ -211,6 +235,15 @@ impl Hold {
                 inner.start(&mut self.outputs).map(|()| Done { delivered, ..Done::default() })
             }
             Kind::Step => self.step(inner, header, blocks).map_err(|said| said.to_string())?,
+            Kind::Save => inner.save(header.tick).map(|states| Done::saying(Aside { states, ..Aside::default() })),
+            Kind::Restore => {
+                let states: Vec<(usize, &[u8])> = opening::read(aside).ok_or_else(|| Malformed::Aside.to_string())?;
+                let held = self.opening.instances.iter().map(|held| held.index);
+                if !states.iter().map(|(index, _)| *index).eq(held) {
+                    return Err(Malformed::Aside.to_string());
+                }
+                inner.restore(header.tick, &states).map(|()| Done::default())
+            }
             Kind::Finish => inner.finish(header.tick, Leaving::InPeace).map(|()| Done::default()),
             kind => return Err(format!("a message {kind:?} at the wrong time")),
         })
@@ -232,7 +265,7 @@ impl Hold {
                 let picks = picked.picks()?;
                 let Picked { instance, mut values, .. } = picked;
                 let got = inner.get_initial(instance, &picks, &mut values);
-                Some(got.map(|()| Done { aside: Aside { values, ..Aside::default() }, ..Done::default() }))
+                Some(got.map(|()| Done::saying(Aside { values, ..Aside::default() })))
             }
         }
     }

@@ -3,7 +3,7 @@
 use crate::claims::{Claims, Standing, Verdict};
 use crate::failure::{Cause, Doing, Failure};
 use crate::message::Finish;
-use crate::step_loop::{StepLoop, Wishes, Witness};
+use crate::step_loop::{Checkpoint, StepLoop, Wishes, Witness};
 use crate::values::Values;
 use crate::wiring::{Pick, Wiring};
 use crate::worker::{Leaving, Lost, Order, Reply, Terminated, Ticket, Worker};
@@ -75,6 +75,10 @@ pub struct Script {
     pub fail_fast: bool,
     pub stop_requested_at: Option<u64>,
     pub units: Vec<Fake>,
+    /// The ticks at which the run is saved.
+    pub saves: Vec<u64>,
+    /// Where the run continues.
+    pub from: Option<Checkpoint>,
 }
 
 pub struct Flown {
@@ -82,6 +86,8 @@ pub struct Flown {
     /// For each row its values.
     pub rows: Vec<Vec<f64>>,
     pub verdicts: Vec<Verdict>,
+    pub standings: Vec<Standing>,
+    pub checkpoints: Vec<Checkpoint>,
     /// What the workers were asked, in order.
     pub asked: Vec<String>,
 }
@@ -115,7 +121,8 @@ impl Script {
             columns: Vec::new(),
         };
         let worker_of = vec![0; units.len()];
-        Self { scenario, worker_of, fail_fast: false, stop_requested_at: None, units }
+        let (saves, from) = (Vec::new(), None);
+        Self { scenario, worker_of, fail_fast: false, stop_requested_at: None, units, saves, from }
     }
 
     pub fn connect(mut self, from: usize, to: usize, direct: bool) -> Self {
@@ -169,21 +176,33 @@ impl Script {
             Box::new(FakeWorker::new(index, &wiring, &self.worker_of, &units, Rc::clone(&asked)))
         };
         let workers = (0..=self.worker_of.iter().copied().max().unwrap_or(0)).map(worker).collect();
-        let mut seen = Seen { rows: Vec::new(), standings: Vec::new(), tick: 0, stop_at: self.stop_requested_at };
+        let mut seen = Seen {
+            rows: Vec::new(),
+            first_row: self.from.as_ref().map_or(0, |checkpoint| checkpoint.tick + 1),
+            standings: Vec::new(),
+            tick: 0,
+            stop_at: self.stop_requested_at,
+            saves: self.saves,
+            checkpoints: Vec::new(),
+        };
         seen.standings.resize(self.scenario.claims.len(), None);
         let wishes = Wishes { fail_fast: self.fail_fast, record: true };
-        let result = StepLoop::new(wiring, claims, workers, wishes, &mut seen).run();
-        let verdicts = seen.standings.iter().map(|standing| standing.unwrap().verdict).collect();
+        let result = StepLoop::new(wiring, claims, workers, wishes, &mut seen).run(self.from.as_ref());
+        let standings: Vec<_> = seen.standings.into_iter().flatten().collect();
+        let verdicts = standings.iter().map(|standing| standing.verdict).collect();
         let asked = asked.borrow().clone();
-        Flown { result, rows: seen.rows, verdicts, asked }
+        Flown { result, rows: seen.rows, verdicts, standings, checkpoints: seen.checkpoints, asked }
     }
 }
 
 struct Seen {
     rows: Vec<Vec<f64>>,
+    first_row: u64,
     standings: Vec<Option<Standing>>,
     tick: u64,
     stop_at: Option<u64>,
+    saves: Vec<u64>,
+    checkpoints: Vec<Checkpoint>,
 }
 
 impl Witness for &mut Seen {
@@ -194,8 +213,15 @@ impl Witness for &mut Seen {
         self.stop_at.is_some_and(|at| self.tick >= at)
     }
     fn row(&mut self, tick: u64, row: &[u64]) {
-        assert_eq!(tick, self.rows.len() as u64, "rows come without gaps");
+        assert_eq!(tick, self.first_row + self.rows.len() as u64, "rows come without gaps");
         self.rows.push(row.iter().map(|&bits| f64::from_bits(bits)).collect());
+    }
+    fn wants_checkpoint(&self, tick: u64) -> bool {
+        self.saves.contains(&tick)
+    }
+    fn checkpoint(&mut self, checkpoint: &Checkpoint) -> Result<(), String> {
+        self.checkpoints.push(checkpoint.clone());
+        Ok(())
     }
     fn claim(&mut self, claim: usize, standing: Standing) {
         self.standings[claim] = Some(standing);
@@ -321,12 +347,29 @@ impl Worker for FakeWorker {
         Ok(Reply { terminated: std::mem::take(&mut self.terminated[ticket.group]) })
     }
 
+    fn save(&mut self, _: u64) -> Result<Vec<(usize, Vec<u8>)>, Lost> {
+        let state = |&instance: &usize| (self.steps[instance], self.results[instance]);
+        Ok(self.mine.iter().map(|instance| (*instance, postcard::to_stdvec(&state(instance)).unwrap())).collect())
+    }
+
+    fn restore(&mut self, _: u64, states: &[(usize, &[u8])]) -> Result<(), Lost> {
+        assert!(states.iter().map(|(instance, _)| instance).eq(&self.mine));
+        for &(instance, state) in states {
+            let cause = Cause::Other("no state of mine".to_owned());
+            let doing = Doing::Call(Call::DeSerializeFmuState);
+            let failure = || Failure { instance: Some(instance.to_string()), doing, time_s: None, cause };
+            let read = postcard::from_bytes(state).map_err(|_| Lost { instance, failure: failure() })?;
+            (self.steps[instance], self.results[instance]) = read;
+        }
+        Ok(())
+    }
+
     fn finish(&mut self, _: u64, _: Leaving) -> Result<(), Lost> {
         Ok(())
     }
 }
 
-fn description() -> ModelDescription {
+pub fn description() -> ModelDescription {
     let variable = |(reference, (name, causality, start)): (u32, (&str, Causality, Option<f64>))| Variable {
         position: Default::default(),
         name: name.to_owned(),

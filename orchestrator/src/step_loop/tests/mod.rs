@@ -1,7 +1,8 @@
 //! The order of one step, seen through fake units.
 
+pub mod checkpoints;
 mod endings;
-mod fake;
+pub mod fake;
 
 use dsl::scenario::{BooleanExpression, Drive, InitialStep, Margin, RealExpression};
 use fake::{P, Script, U, V, Y, counter, port, repeater, signal, unit};

@@ -82,7 +82,7 @@ unsafe fn required<T: Copy>(library: &loader::Library, path: &Path, call: Call) 
 
 /// # Safety
 /// `T` is the type of a pointer to the call's function.
-unsafe fn optional<T: Copy>(library: &loader::Library, call: Call) -> Option<T> {
+pub(super) unsafe fn optional<T: Copy>(library: &loader::Library, call: Call) -> Option<T> {
     // SAFETY: the caller says so; a symbol whose value is NULL counts as absent.
     let symbol = unsafe { library.get::<Option<T>>(call.name()) }.ok()?;
     *symbol

@@ -1,0 +1,244 @@
+//! Checkpoint files: which run was saved, and how it stood; bytes that are believed no further than they are checked.
+//!
+//! ```text
+//! magic │ format │ length of the content │ SHA-256 of the content │ content: version of Lockstep, identity, checkpoint
+//! ```
+//!
+//! Numbers are written lowest byte first; the content is postcard's.
+
+use super::TraceError;
+use super::run_folder::PARTIAL;
+use super::run_record::{HashedFile, RunRecord};
+use crate::step_loop::Checkpoint;
+use crate::wiring::seconds;
+use dsl::scenario::{Parameter, Scenario};
+use fmi2::description::ModelDescription;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::fmt;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const MAGIC: &[u8; 8] = b"LOCKCKPT";
+const FORMAT: u32 = 1;
+
+/// What a run has to have in common with the one that was saved.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// SHA-256 of the script.
+    script: String,
+    /// The communication step.
+    step_ns: u64,
+    parameters: Vec<Parameter>,
+    units: Vec<HashedFile>,
+    files: Vec<HashedFile>,
+}
+
+/// Why a run cannot continue from a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CheckpointError {
+    /// It does not begin as one.
+    NoCheckpoint,
+    /// Its format has this number.
+    Format(u32),
+    /// Bytes are missing, changed or added.
+    Damaged,
+    /// Another version of Lockstep wrote it.
+    Version(String),
+    /// It was saved by another run.
+    Different {
+        /// What differs.
+        differences: Vec<String>,
+        /// The settings that it was saved with, where nothing but parameters differs.
+        settings: Vec<String>,
+    },
+    /// Nothing is left to run.
+    AtTheEnd {
+        /// The tick that it was saved at.
+        tick: u64,
+        /// The communication step.
+        step_ns: u64,
+    },
+    /// It says that it is of this run, but holds something else.
+    Unfit,
+}
+
+impl CheckpointError {
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> String {
+        match self {
+            Self::NoCheckpoint => "name a file that `lockstep run --save-at TIME FILE` wrote".to_owned(),
+            Self::Version(version) => format!("continue with lockstep {version}, or save anew with --save-at"),
+            Self::Different { settings, .. } if !settings.is_empty() => {
+                let settings: Vec<_> = settings.iter().map(|setting| format!("--set '{setting}'")).collect();
+                format!("continue with {}, or save anew with --save-at", settings.join(" "))
+            }
+            Self::Different { .. } => "continue with what it was saved with, or save anew with --save-at".to_owned(),
+            Self::AtTheEnd { .. } => "continue from an earlier checkpoint".to_owned(),
+            Self::Format(_) | Self::Damaged | Self::Unfit => "save it anew with --save-at".to_owned(),
+        }
+    }
+}
+
+impl fmt::Display for CheckpointError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoCheckpoint => f.write_str("it is no checkpoint of Lockstep"),
+            Self::Format(found) => write!(f, "its format is {found}, this version of Lockstep reads format {FORMAT}"),
+            Self::Damaged => f.write_str("it is damaged or incomplete"),
+            Self::Version(version) => {
+                write!(f, "lockstep {version} saved it, this is lockstep {}", env!("CARGO_PKG_VERSION"))
+            }
+            Self::Different { differences, .. } => {
+                f.write_str("another run saved it")?;
+                differences.iter().try_for_each(|difference| write!(f, "\n  {difference}"))
+            }
+            Self::AtTheEnd { tick, step_ns } => {
+                write!(f, "it was saved at {} s, where this run is over already", seconds(*tick, *step_ns))
+            }
+            Self::Unfit => f.write_str("it does not hold what a run of this script has"),
+        }
+    }
+}
+
+impl Identity {
+    /// What identifies a run.
+    #[must_use]
+    pub fn of(record: &RunRecord, scenario: &Scenario) -> Self {
+        Self {
+            script: record.script.sha256.clone(),
+            step_ns: scenario.step_ns,
+            parameters: record.parameters.clone(),
+            units: record.units.clone(),
+            files: record.files.clone(),
+        }
+    }
+
+    /// A checkpoint file around a serialized checkpoint.
+    ///
+    /// # Errors
+    /// If there is not enough memory.
+    pub fn file_around(&self, checkpoint: &[u8]) -> Result<Vec<u8>, postcard::Error> {
+        let content = postcard::to_extend(&(env!("CARGO_PKG_VERSION"), self), Vec::new())?;
+        let content = [&content, checkpoint].concat();
+        let length = (content.len() as u64).to_le_bytes();
+        Ok([MAGIC, &FORMAT.to_le_bytes()[..], &length, &Sha256::digest(&content), &content].concat())
+    }
+
+    /// Reads the checkpoint out of a file, if a run of this identity and scenario saved it.
+    ///
+    /// # Errors
+    /// Whatever else the bytes are.
+    pub fn read(
+        &self,
+        bytes: &[u8],
+        scenario: &Scenario,
+        descriptions: &[&ModelDescription],
+    ) -> Result<Checkpoint, CheckpointError> {
+        let content = content(bytes)?;
+        let damaged = |_: postcard::Error| CheckpointError::Damaged;
+        let (version, rest) = postcard::take_from_bytes::<&str>(content).map_err(damaged)?;
+        if version != env!("CARGO_PKG_VERSION") {
+            return Err(CheckpointError::Version(version.escape_debug().to_string()));
+        }
+        let (saved, rest) = postcard::take_from_bytes::<Self>(rest).map_err(damaged)?;
+        self.compare(&saved)?;
+        let (checkpoint, rest) = postcard::take_from_bytes::<Checkpoint>(rest).map_err(damaged)?;
+        if checkpoint.tick >= scenario.stop_tick {
+            return Err(CheckpointError::AtTheEnd { tick: checkpoint.tick, step_ns: scenario.step_ns });
+        }
+        if !rest.is_empty() || !checkpoint.fits(scenario, descriptions) {
+            return Err(CheckpointError::Unfit);
+        }
+        Ok(checkpoint)
+    }
+
+    /// Tells all that differs from the run that was saved.
+    fn compare(&self, saved: &Self) -> Result<(), CheckpointError> {
+        let hash = |sha256: &str| format!("sha256 {}…", sha256.chars().take(12).collect::<String>().escape_debug());
+        let hashes = |files: &[HashedFile]| -> Vec<_> {
+            files.iter().map(|file| (file.name.clone(), hash(&file.sha256))).collect()
+        };
+        let values = |parameters: &[Parameter]| -> Vec<_> {
+            parameters.iter().map(|parameter| (parameter.name.clone(), parameter.value.clone())).collect()
+        };
+        let mut differences = Vec::new();
+        if self.script != saved.script {
+            differences.push(format!("the script was {}, is {}", hash(&saved.script), hash(&self.script)));
+        }
+        differences.extend(changes("unit", &hashes(&saved.units), &hashes(&self.units)));
+        differences.extend(changes("file", &hashes(&saved.files), &hashes(&self.files)));
+        let (were, are) = (values(&saved.parameters), values(&self.parameters));
+        let changed = changes("parameter", &were, &are);
+        let settings = if differences.is_empty() {
+            let differing = were.iter().filter(|parameter| !are.contains(parameter));
+            differing.map(|(name, value)| format!("{name} = {value}").escape_debug().to_string()).collect()
+        } else {
+            Vec::new()
+        };
+        if self.step_ns != saved.step_ns {
+            let [was, is] = [saved, self].map(|run| seconds(1, run.step_ns));
+            differences.push(format!("the step was {was} s, is {is} s"));
+        }
+        differences.extend(changed);
+        if differences.is_empty() { Ok(()) } else { Err(CheckpointError::Different { differences, settings }) }
+    }
+}
+
+/// Checks what stands before the content.
+fn content(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
+    let rest = bytes.strip_prefix(MAGIC).ok_or(CheckpointError::NoCheckpoint)?;
+    let (format, rest) = rest.split_first_chunk().ok_or(CheckpointError::Damaged)?;
+    let format = u32::from_le_bytes(*format);
+    if format != FORMAT {
+        return Err(CheckpointError::Format(format));
+    }
+    let (length, rest) = rest.split_first_chunk().ok_or(CheckpointError::Damaged)?;
+    let (hash, content) = rest.split_first_chunk::<32>().ok_or(CheckpointError::Damaged)?;
+    let whole = u64::from_le_bytes(*length) == content.len() as u64 && *hash == *Sha256::digest(content);
+    whole.then_some(content).ok_or(CheckpointError::Damaged)
+}
+
+/// What of one kind was and is otherwise, by name.
+fn changes(kind: &str, were: &[(String, String)], are: &[(String, String)]) -> Vec<String> {
+    let value = |of: &[(String, String)], name: &str| {
+        let found = of.iter().find(|(other, _)| other == name);
+        found.map_or_else(|| "not there".to_owned(), |(_, value)| value.escape_debug().to_string())
+    };
+    let added = are.iter().filter(|(name, _)| were.iter().all(|(other, _)| other != name));
+    let names = were.iter().chain(added).map(|(name, _)| (name, value(were, name), value(are, name)));
+    let changed = names.filter(|(_, was, is)| was != is);
+    changed.map(|(name, was, is)| format!("{kind} `{}` was {was}, is {is}", name.escape_debug())).collect()
+}
+
+/// The checkpoint files that a run is to leave.
+#[derive(Clone, Debug, Default)]
+pub struct Saving {
+    /// Whose they are.
+    pub identity: Identity,
+    /// After the row of which tick each is saved.
+    pub files: Vec<(u64, PathBuf)>,
+}
+
+impl Saving {
+    /// The files of a tick.
+    pub fn files_at(&self, tick: u64) -> impl Iterator<Item = &Path> {
+        self.files.iter().filter(move |(at, _)| *at == tick).map(|(_, file)| file.as_path())
+    }
+
+    /// Writes one of the files; it has its name when it is whole.
+    ///
+    /// # Errors
+    /// The system refuses.
+    pub fn write(&self, file: &Path, checkpoint: &[u8]) -> Result<(), TraceError> {
+        let mut partial = file.as_os_str().to_owned();
+        partial.push(PARTIAL);
+        let bytes = self.identity.file_around(checkpoint).map_err(std::io::Error::other);
+        let written = bytes.and_then(|bytes| fs::write(&partial, bytes)).and_then(|()| fs::rename(&partial, file));
+        written.map_err(TraceError::io("save", file))
+    }
+}
+
+#[cfg(test)]
+mod tests;

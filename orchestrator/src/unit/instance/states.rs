@@ -1,0 +1,75 @@
+//! An instance's state as bytes, by the standard's functions, and back.
+
+use super::Instance;
+use crate::failure::{Cause, Failure};
+use crate::unit::board::Now;
+use crate::unit::library::StateFunctions;
+use fmi2::c::FmuState;
+use fmi2::calls::Call;
+use std::ptr;
+
+/// A state of more bytes is believed to be a mistake of the unit.
+const LARGEST_STATE: usize = 1 << 30;
+
+impl Instance {
+    /// The present state, serialized by the unit.
+    ///
+    /// # Errors
+    /// The unit refuses, lacks a function, or names a size that is none.
+    pub fn save(&mut self, now: &Now<'_>) -> Result<Vec<u8>, Failure> {
+        let functions = self.state_functions(now)?;
+        let mut state = ptr::null_mut();
+        self.checked(now, Call::GetFmuState, |_, component| {
+            // SAFETY: the pointer is to a handle, NULL as the standard asks for a state that is to be made.
+            unsafe { (functions.get)(component, &raw mut state) }
+        })?;
+        let mut size = 0;
+        self.checked(now, Call::SerializedFmuStateSize, |_, component| {
+            // SAFETY: the state is this instance's, and the pointer is to a value of the right type.
+            unsafe { (functions.serialized_size)(component, state, &raw mut size) }
+        })?;
+        if size > LARGEST_STATE {
+            let text = format!("its state takes {size} bytes; at most {LARGEST_STATE} are saved");
+            return Err(self.failure(now, Call::SerializedFmuStateSize, Cause::Other(text)));
+        }
+        let mut bytes = vec![0_u8; size];
+        self.checked(now, Call::SerializeFmuState, |_, component| {
+            // SAFETY: the state is this instance's, and the buffer has `size` bytes.
+            unsafe { (functions.serialize)(component, state, bytes.as_mut_ptr().cast(), size) }
+        })?;
+        self.free_state(now, functions, state)?;
+        Ok(bytes)
+    }
+
+    /// Goes to a state that this unit serialized, in this process or another.
+    ///
+    /// # Errors
+    /// The unit refuses or lacks a function.
+    pub fn restore(&mut self, now: &Now<'_>, bytes: &[u8]) -> Result<(), Failure> {
+        let functions = self.state_functions(now)?;
+        let mut state = ptr::null_mut();
+        self.checked(now, Call::DeSerializeFmuState, |_, component| {
+            // SAFETY: the unit only reads the bytes, as many as it is told, and writes the handle.
+            unsafe { (functions.deserialize)(component, bytes.as_ptr().cast(), bytes.len(), &raw mut state) }
+        })?;
+        self.checked(now, Call::SetFmuState, |_, component| {
+            // SAFETY: the state is this instance's.
+            unsafe { (functions.set)(component, state) }
+        })?;
+        self.free_state(now, functions, state)
+    }
+
+    fn free_state(&mut self, now: &Now<'_>, functions: StateFunctions, mut state: FmuState) -> Result<(), Failure> {
+        self.checked(now, Call::FreeFmuState, |_, component| {
+            // SAFETY: the state is this instance's, and nobody uses it after this.
+            unsafe { (functions.free)(component, &raw mut state) }
+        })
+    }
+
+    fn state_functions(&self, now: &Now<'_>) -> Result<StateFunctions, Failure> {
+        self.library.states.map_err(|call| {
+            let text = format!("its library lacks the function `{}` of its modelDescription.xml", call.name());
+            self.failure(now, call, Cause::Other(text))
+        })
+    }
+}

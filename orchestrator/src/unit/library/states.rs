@@ -1,0 +1,35 @@
+//! The functions by which a unit's state is saved and restored, as pointers into a library.
+
+use super::functions::optional;
+use fmi2::c::{Component, FmuState, RawStatus};
+use fmi2::calls::Call;
+use libloading::os::unix as loader;
+use std::ffi::c_char;
+
+/// The functions, all of them; of use to units that say so.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::unit) struct StateFunctions {
+    pub get: unsafe extern "C" fn(Component, *mut FmuState) -> RawStatus,
+    pub set: unsafe extern "C" fn(Component, FmuState) -> RawStatus,
+    pub free: unsafe extern "C" fn(Component, *mut FmuState) -> RawStatus,
+    pub serialized_size: unsafe extern "C" fn(Component, FmuState, *mut usize) -> RawStatus,
+    pub serialize: unsafe extern "C" fn(Component, FmuState, *mut c_char, usize) -> RawStatus,
+    pub deserialize: unsafe extern "C" fn(Component, *const c_char, usize, *mut FmuState) -> RawStatus,
+}
+
+impl StateFunctions {
+    /// The functions of a library, or the one that it lacks.
+    pub fn of(library: &loader::Library) -> Result<Self, Call> {
+        // SAFETY: of each symbol the standard fixes the type, which is the field's that the symbol goes to.
+        unsafe {
+            Ok(Self {
+                get: optional(library, Call::GetFmuState).ok_or(Call::GetFmuState)?,
+                set: optional(library, Call::SetFmuState).ok_or(Call::SetFmuState)?,
+                free: optional(library, Call::FreeFmuState).ok_or(Call::FreeFmuState)?,
+                serialized_size: optional(library, Call::SerializedFmuStateSize).ok_or(Call::SerializedFmuStateSize)?,
+                serialize: optional(library, Call::SerializeFmuState).ok_or(Call::SerializeFmuState)?,
+                deserialize: optional(library, Call::DeSerializeFmuState).ok_or(Call::DeSerializeFmuState)?,
+            })
+        }
+    }
+}
