@@ -47,8 +47,12 @@ fn read(folder: &Path, file: &str) -> String {
 
 /// Continues a run and compares what it leaves with what the whole run left, of which it lacks the first rows.
 fn continues(script: &str, home: &Path, checkpoint: &str, rows_before: usize) {
+    continues_as(script, home, checkpoint, rows_before, &[]);
+}
+
+fn continues_as(script: &str, home: &Path, checkpoint: &str, rows_before: usize, more: &[&str]) {
     let (whole, rest) = (home.join("whole"), home.join("rest"));
-    let said = fly(script, &rest, &["--from", home.join(checkpoint).to_str().unwrap()]);
+    let said = fly(script, &rest, &[&["--from", home.join(checkpoint).to_str().unwrap()], more].concat());
     assert!(said.code.is_some_and(|code| code < 2), "{checkpoint}: {}", said.err);
     let trace = read(&whole, "trace.csv");
     let (header, rows) = trace.split_once('\n').unwrap();
@@ -100,6 +104,26 @@ fn a_run_continues_from_each_of_its_ticks() {
     }
     for tick in 0..12 {
         continues(script, home.path(), &format!("at{tick}"), tick + 1);
+    }
+}
+
+#[test]
+fn a_checkpoint_is_the_same_in_every_placement_and_continues_in_every_other() {
+    let home = tempfile::tempdir().unwrap();
+    let script = home.path().join("mixed.scn");
+    fs::write(&script, MIXED).unwrap();
+    let script = script.to_str().unwrap();
+    for (out, more) in [("whole", &[][..]), ("isolated", &["--isolate"])] {
+        let file = |tick: usize| home.path().join(format!("{out}{tick}")).display().to_string();
+        let files = [0, 3, 7].map(file);
+        let saves = ["--save-at", "0s", &files[0], "--save-at", "30ms", &files[1], "--save-at", "70ms", &files[2]];
+        let said = fly(script, &home.path().join(out), &[&saves, more].concat());
+        assert!(said.code.is_some_and(|code| code < 2), "{out}: {}", said.err);
+    }
+    for tick in [0, 3, 7] {
+        let [together, isolated] = ["whole", "isolated"].map(|out| fs::read(home.path().join(format!("{out}{tick}"))));
+        assert!(together.unwrap() == isolated.unwrap(), "saved at tick {tick}");
+        continues_as(script, home.path(), &format!("whole{tick}"), tick + 1, &["--isolate"]);
     }
 }
 
