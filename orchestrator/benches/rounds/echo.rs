@@ -18,8 +18,6 @@ use zenoh::{Config, Session, Wait};
 pub const RAW: &str = "raw";
 /// zenoh, a put and a callback each way.
 pub const BARE: &str = "bare";
-/// The longest message, and a little more.
-const MOST_BYTES: usize = 1 << 20;
 
 /// A way to one process and back.
 enum Line {
@@ -42,7 +40,8 @@ impl Echoes {
         let home = tempfile::tempdir()?;
         let place = |number: usize| -> PathBuf { home.path().join(format!("{number}.sock")) };
         let program = std::env::current_exe()?;
-        let start = |number| Command::new(&program).args(["echo", kind]).arg(place(number)).spawn();
+        let length = bytes.to_string();
+        let start = |number| Command::new(&program).args(["echo", kind, &length]).arg(place(number)).spawn();
         let children = (0..count).map(start).collect::<Result<_, _>>()?;
         let dial = |number| {
             while !place(number).exists() {
@@ -89,17 +88,16 @@ impl Drop for Echoes {
     }
 }
 
-/// Sends back what comes to a socket, until whoever asks is gone or kills this process.
-pub fn serve(kind: &str, place: &Path) -> Result<(), Box<dyn Error>> {
+/// Sends back messages of so many bytes that come to a socket, each when it is whole, until whoever asks is gone or kills
+/// this process.
+pub fn serve(kind: &str, bytes: usize, place: &Path) -> Result<(), Box<dyn Error>> {
     if kind == RAW {
         let (mut stream, _) = UnixListener::bind(place)?.accept()?;
-        let mut buffer = vec![0; MOST_BYTES];
-        loop {
-            match stream.read(&mut buffer)? {
-                0 => return Ok(()),
-                read => stream.write_all(&buffer[..read])?,
-            }
+        let mut message = vec![0; bytes];
+        while stream.read_exact(&mut message).is_ok() {
+            stream.write_all(&message)?;
         }
+        return Ok(());
     }
     let session = open("peer", "listen", place)?;
     let (heard_here, heard) = channel();

@@ -34,10 +34,10 @@ const AROUND: usize = 64;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
-    if let [_, echo, kind, place] = arguments.as_slice()
+    if let [_, echo, kind, bytes, place] = arguments.as_slice()
         && echo == "echo"
     {
-        return echo::serve(kind, Path::new(place));
+        return echo::serve(kind, bytes.parse()?, Path::new(place));
     }
     let table = Table::begin("a round of all workers over Unix sockets");
     for (ports, workers, beside_raw) in

@@ -2,7 +2,8 @@
 //!
 //! `cargo bench -p orchestrator --bench whole_process` runs the built `lockstep` on chains of units of the export layer,
 //! recording nothing and everything, in turn with the hand-written loop over the same units, which itself writes nothing,
-//! or the same numbers; then `first_flight`; then the shortest run of its units.
+//! or the same numbers; then `first_flight`, in one process and with a process for each instance; then the shortest runs,
+//! and what memory a worker takes.
 #![expect(unsafe_code, reason = "the hand-written loop calls through raw function pointers, as it must")]
 #![expect(clippy::print_stdout, reason = "this is what a benchmark is for")]
 
@@ -18,6 +19,7 @@ use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 const UNITS: usize = 10;
@@ -80,13 +82,55 @@ fn as_seen(table: &Table, folder: &Path) -> Result<(), Box<dyn Error>> {
     let flight = repository.join("scenarios/first_flight.scn");
     let measure = || alternate(BLOCKS, || run(&flight), of(FIRST_FLIGHT_S));
     table.row("first_flight, beside real time", Some(1.0 / 200.0), measure)?;
+    let isolated = |script: &Path| lockstep(script, &repository, &["--isolate"]);
+    let measure = || alternate(BLOCKS, || isolated(&flight), of(FIRST_FLIGHT_S));
+    table.row("first_flight --isolate, beside real time", Some(1.0 / 5.0), measure)?;
     let script = folder.join("start.scn");
-    let units = ["trajectory", "wind", "quadcopter_controller", "quadcopter"];
-    let instances: String = (0..).zip(units).map(|(i, unit)| format!("fmu u{i} = \"{unit}\"\n")).collect();
-    fs::write(&script, format!("scenario \"Start\"\nstep 5 ms\nstop 5 ms\n{instances}record u3.height\n"))?;
+    let starting = |count| {
+        let units = ["trajectory", "wind", "quadcopter_controller", "quadcopter"].into_iter().cycle();
+        let instances: String = (0..count).zip(units).map(|(i, unit)| format!("fmu u{i} = \"{unit}\"\n")).collect();
+        fs::write(&script, format!("scenario \"Start\"\nstep 5 ms\nstop 5 ms\n{instances}record u0.leg\n"))
+    };
+    starting(4)?;
     let measure = || alternate(2 * BLOCKS, || run(&script), of(1.0));
     table.row("one tick of its four packed units, beside a second", Some(0.2), measure)?;
+    for count in [5, 50] {
+        starting(count)?;
+        let name = format!("one tick of {count} units --isolate, beside a second");
+        table.row(&name, None, || alternate(BLOCKS, || isolated(&script), of(1.0)))?;
+    }
+    println!(
+        "\nmemory of a worker of first_flight, with the quadcopter: {}",
+        memory_of_a_worker(&flight, &repository)?
+    );
     Ok(())
+}
+
+/// What the system counts for the last worker of a run: all of its pages, and those that nobody shares with it.
+fn memory_of_a_worker(script: &Path, from: &Path) -> Result<String, Box<dyn Error>> {
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("whole_process");
+    let mut run = Command::new(env!("CARGO_BIN_EXE_lockstep"))
+        .arg("run")
+        .arg(script)
+        .args(["--isolate", "--pace", "1", "--out"])
+        .arg(out)
+        .current_dir(from)
+        .stderr(Stdio::null())
+        .spawn()?;
+    sleep(Duration::from_secs(3));
+    let children = fs::read_to_string(format!("/proc/{0}/task/{0}/children", run.id()))?;
+    let told =
+        children.split_whitespace().last().map(|worker| fs::read_to_string(format!("/proc/{worker}/smaps_rollup")));
+    run.kill()?;
+    run.wait()?;
+    let told = told.ok_or("the run has no workers")??;
+    let megabytes = |key: &str| -> f64 {
+        let lines =
+            told.lines().filter_map(|line| line.strip_prefix(key)?.split_whitespace().next()?.parse::<f64>().ok());
+        lines.sum::<f64>() / 1024.0
+    };
+    let own = megabytes("Private_Clean:") + megabytes("Private_Dirty:");
+    Ok(format!("{:.1} MB resident, {own:.1} MB its own", megabytes("Rss:")))
 }
 
 /// A chain in which every value changes in every step.
