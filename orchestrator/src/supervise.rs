@@ -15,7 +15,7 @@ use crate::plan::Plan;
 use crate::report::console::Console;
 use crate::report::progress::Progress;
 use crate::trace::TraceError;
-use crate::trace::csv::TraceFile;
+use crate::trace::recorder::Recorder;
 use crate::trace::verdict::{Finding, JudgedClaim, Judgement};
 use crate::unit::board::{Board, BoardLayout, InCall};
 use crate::wiring::seconds;
@@ -119,7 +119,7 @@ fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError 
 /// If the stepping process cannot be started or the trace not be written; the stepping process is gone then too.
 pub fn supervise<W: Write>(
     orders: &Orders,
-    trace: Option<TraceFile>,
+    trace: Option<Recorder>,
     console: &mut Console<W>,
 ) -> Result<Ended, SuperviseError> {
     let plan = orders.plan;
@@ -158,7 +158,7 @@ struct Supervision<'a, W: Write> {
     plan: &'a Plan,
     board: &'a Board,
     console: &'a mut Console<W>,
-    trace: Option<TraceFile>,
+    trace: Option<Recorder>,
     saved: Instant,
     began: Instant,
     polled: Instant,
@@ -171,7 +171,7 @@ struct Supervision<'a, W: Write> {
 }
 
 impl<'a, W: Write> Supervision<'a, W> {
-    fn new(orders: &Orders<'a>, board: &'a Board, trace: Option<TraceFile>, console: &'a mut Console<W>) -> Self {
+    fn new(orders: &Orders<'a>, board: &'a Board, trace: Option<Recorder>, console: &'a mut Console<W>) -> Self {
         let now = Instant::now();
         Self {
             plan: orders.plan,

@@ -68,7 +68,7 @@ fn a_scenario_run_again_leaves_the_same_bytes() {
         let [first, second] = folders.each_ref().map(|folder| folder.to_str().unwrap());
         let said = run(&repository(), &["diff", first, second]);
         assert_eq!(said.code, Some(0), "{}: {}", script.display(), said.out);
-        for file in ["trace.csv", "signals.json", "verdict.json"] {
+        for file in ["trace.csv", "trace.parquet", "signals.json", "verdict.json"] {
             let [first, second] = folders.each_ref().map(|folder| std::fs::read(folder.join(file)).unwrap());
             assert!(first == second, "{}: {file} differs", script.display());
         }
