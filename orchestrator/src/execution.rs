@@ -8,8 +8,8 @@ use crate::report::console::{Console, Style};
 use crate::report::table::{Ending, Heading};
 use crate::supervise::{Ended, Orders, Placement, SuperviseError, supervise};
 use crate::trace::checkpoint::Saving;
-use crate::trace::csv::TraceFile;
-use crate::trace::run_folder::{RunFolder, SIGNALS_JSON, TRACE_CSV, VERDICT_JSON};
+use crate::trace::recorder::Recorder;
+use crate::trace::run_folder::{RunFolder, VERDICT_JSON};
 use crate::trace::run_record::{Broken, RunRecord, RunState};
 use crate::trace::verdict::{Verdict, reason_text};
 use crate::trace::{TraceError, signals};
@@ -113,16 +113,13 @@ fn leave(folder: &mut RunFolder, record: &mut RunRecord, verdict: &Verdict) -> R
     written.and(noted)
 }
 
-/// The file of rows, and what its columns are; nothing with `--record none`.
-fn begin_trace(folder: &RunFolder, plan: &Plan) -> Result<Option<TraceFile>, TraceError> {
+/// The files of rows; none with `--record none`.
+fn begin_trace(folder: &RunFolder, plan: &Plan) -> Result<Option<Recorder>, TraceError> {
     if !plan.record {
         return Ok(None);
     }
-    let description_of = |instance: usize| &plan.units[plan.unit_of[instance]].description;
-    folder.write(SIGNALS_JSON, &signals::json(&plan.scenario, description_of))?;
-    let columns = signals::csv_columns(&plan.scenario, description_of);
-    let file = folder.begin(TRACE_CSV)?;
-    TraceFile::begin(file, plan.scenario.step_ns, &columns).map(Some)
+    let signals = signals::of(&plan.scenario, |instance| &plan.units[plan.unit_of[instance]].description);
+    Recorder::begin(folder, plan.scenario.step_ns, &signals).map(Some)
 }
 
 fn run_state(ended: &Ended) -> RunState {

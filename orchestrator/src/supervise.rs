@@ -17,7 +17,7 @@ use crate::report::console::Console;
 use crate::report::progress::Progress;
 use crate::trace::TraceError;
 use crate::trace::checkpoint::Saving;
-use crate::trace::csv::TraceFile;
+use crate::trace::recorder::Recorder;
 use crate::trace::shortest_decimal;
 use crate::trace::verdict::{Finding, JudgedClaim, Judgement};
 use crate::unit::board::{Board, BoardLayout, InCall};
@@ -152,7 +152,7 @@ fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError 
 /// If what steps cannot be started or the trace not be written; no process of the run is left then either.
 pub fn supervise<W: Write>(
     orders: &Orders,
-    trace: Option<TraceFile>,
+    trace: Option<Recorder>,
     console: &mut Console<W>,
 ) -> Result<Ended, SuperviseError> {
     let plan = orders.plan;
@@ -212,7 +212,7 @@ struct Supervision<'a, W: Write> {
     kept: Vec<u64>,
     board: &'a Board,
     console: &'a mut Console<W>,
-    trace: Option<TraceFile>,
+    trace: Option<Recorder>,
     saved: Instant,
     began: Instant,
     polled: Instant,
@@ -226,7 +226,7 @@ struct Supervision<'a, W: Write> {
 }
 
 impl<'a, W: Write> Supervision<'a, W> {
-    fn new(orders: &Orders<'a>, board: &'a Board, trace: Option<TraceFile>, console: &'a mut Console<W>) -> Self {
+    fn new(orders: &Orders<'a>, board: &'a Board, trace: Option<Recorder>, console: &'a mut Console<W>) -> Self {
         let now = Instant::now();
         Self {
             plan: orders.plan,

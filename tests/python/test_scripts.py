@@ -80,7 +80,7 @@ def test_five_mistakes_of_meaning_are_all_told_with_place_and_help(lockstep, pac
 
 def test_two_runs_leave_the_same_bytes_and_diff_says_so(fly, lockstep):
     (_, one), (_, other) = (fly("scenarios/first_flight.scn", name=name) for name in ("one", "other"))
-    for file in ("trace.csv", "signals.json", "verdict.json"):
+    for file in ("trace.csv", "trace.parquet", "signals.json", "verdict.json"):
         assert (one / file).read_bytes() == (other / file).read_bytes()
     diff = lockstep("diff", one, other)
     assert diff.returncode == 0, diff.stdout

@@ -67,7 +67,7 @@ fn whatever_a_script_does_its_files_and_words_are_the_same() {
         assert_eq!((together.code, isolated.code), (Some(1), Some(1)), "{}{}", together.err, isolated.err);
         let diff = run(folder.path(), &["diff", "together", "isolated"]);
         assert_eq!(diff.code, Some(0), "{}", diff.out);
-        for file in ["trace.csv", "signals.json", "verdict.json"] {
+        for file in ["trace.csv", "trace.parquet", "signals.json", "verdict.json"] {
             let [one, other] =
                 ["together", "isolated"].map(|out| fs::read(folder.path().join(out).join(file)).unwrap());
             assert!(one == other, "{file}");

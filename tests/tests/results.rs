@@ -148,7 +148,7 @@ fn out_names_the_folder_and_an_earlier_run_in_it_is_replaced() {
     let folder = with_script(&[], RECORD);
     ramp(&folder, &["--out", "deep/down/here"], 0);
     let here = folder.path().join("deep/down/here");
-    assert_eq!(files(&here), ["run.json", "signals.json", "trace.csv", "verdict.json"]);
+    assert_eq!(files(&here), ["run.json", "signals.json", "trace.csv", "trace.parquet", "verdict.json"]);
     assert!(!folder.path().join("runs").exists());
     fs::write(here.join("notes.txt"), "mine").unwrap();
     ramp(&folder, &["--out", "deep/down/here", "--record", "none"], 0);

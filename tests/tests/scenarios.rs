@@ -69,7 +69,7 @@ fn compare(script: &Path, ways: [&[&str]; 2]) {
     let [first, second] = folders.each_ref().map(|folder| folder.to_str().unwrap());
     let said = run(&repository(), &["diff", first, second]);
     assert_eq!(said.code, Some(0), "{} {ways:?}: {}", script.display(), said.out);
-    for file in ["trace.csv", "signals.json", "verdict.json"] {
+    for file in ["trace.csv", "trace.parquet", "signals.json", "verdict.json"] {
         let [first, second] = folders.each_ref().map(|folder| std::fs::read(folder.join(file)).unwrap());
         assert!(first == second, "{} {ways:?}: {file} differs", script.display());
     }

@@ -4,13 +4,15 @@ use super::*;
 use crate::failure::Doing;
 use crate::message::LogMessage;
 use crate::report::console::Style;
-use crate::trace::csv::CsvColumn;
-use crate::trace::run_folder::{RunFolder, TRACE_CSV};
+use crate::trace::run_folder::{RunFolder, TRACE_CSV, TRACE_PARQUET};
 use crate::trace::run_record;
+use crate::trace::signals::tests::signal;
 use crate::trace::verdict::tests::{claim, scenario};
 use crate::unit::board::ClaimNote;
 use fmi2::calls::Call;
 use fmi2::description::BaseType;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use std::fs::File;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::ExitStatus;
@@ -66,8 +68,8 @@ impl Run {
     /// What the parent makes of it once the process is gone, and what it printed.
     fn concluded(&self, status: i32) -> (Ended, String) {
         let folder = RunFolder::claim(&self.home.path().join("run"), &run_record::tests::record()).unwrap();
-        let column = CsvColumn { name: "quad.x".to_owned(), base_type: BaseType::Real };
-        let trace = TraceFile::begin(folder.begin(TRACE_CSV).unwrap(), self.plan.scenario.step_ns, &[column]).unwrap();
+        let signals = ["time", "quad.x"].map(|name| signal(name, BaseType::Real));
+        let trace = Recorder::begin(&folder, self.plan.scenario.step_ns, &signals).unwrap();
         let mut console = Console::new(Vec::new(), Style::Tenths);
         let orders = Orders {
             plan: &self.plan,
@@ -99,6 +101,8 @@ fn rows_and_the_call_of_a_process_that_died_are_there() {
     assert_eq!(failure, "`quad` died of signal 11 (SIGSEGV) in fmi2DoStep at 0.02 s");
     assert_eq!(ended.last_tick, 2);
     assert_eq!(run.trace(), "time,quad.x\n0,0\n0.01,1\n0.02,2\n");
+    let columns = File::open(run.home.path().join("run").join(TRACE_PARQUET)).unwrap();
+    assert_eq!(SerializedFileReader::new(columns).unwrap().metadata().file_metadata().num_rows(), 3);
 }
 
 #[test]

@@ -1,10 +1,14 @@
 //! What a run leaves behind: the folder, its files and their formats.
 //!
-//! The parent of a run writes all of it; the loop only hands over rows. `trace.csv`, `signals.json` and `verdict.json`
-//! have the same bytes wherever and whenever the run is repeated; what differs between hosts stands in `run.json` alone.
+//! The parent of a run writes all of it; the loop only hands over rows. `trace.csv`, `trace.parquet`, `signals.json` and
+//! `verdict.json` have the same bytes wherever and whenever the run is repeated; what differs between hosts stands in
+//! `run.json` alone.
 
+mod arrow_schema;
 pub mod checkpoint;
 pub mod csv;
+pub mod parquet;
+pub mod recorder;
 pub mod run_folder;
 pub mod run_record;
 pub mod signals;

@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 pub const RUN_JSON: &str = "run.json";
 /// The recorded rows.
 pub const TRACE_CSV: &str = "trace.csv";
+/// The same numbers by columns.
+pub const TRACE_PARQUET: &str = "trace.parquet";
 /// What each column of the trace is.
 pub const SIGNALS_JSON: &str = "signals.json";
 /// The claims and how they came out.
@@ -23,7 +25,7 @@ pub const PARTIAL: &str = ".partial";
 pub const PLOT_SVG: &str = "plot.svg";
 
 /// What stands in the folder besides the record; an earlier run's are removed before a new one begins.
-const RESULTS: [&str; 4] = [TRACE_CSV, SIGNALS_JSON, VERDICT_JSON, PLOT_SVG];
+const RESULTS: [&str; 5] = [TRACE_CSV, TRACE_PARQUET, SIGNALS_JSON, VERDICT_JSON, PLOT_SVG];
 
 /// A folder that this run owns until it is dropped.
 #[derive(Debug)]
@@ -130,6 +132,12 @@ pub struct PartialFile {
 }
 
 impl PartialFile {
+    /// Its name until it is whole.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.partial
+    }
+
     /// Gives the file its final name.
     ///
     /// # Errors
@@ -198,7 +206,7 @@ mod tests {
     fn an_earlier_runs_results_go_and_what_was_added_by_hand_stays() {
         let home = tempfile::tempdir().unwrap();
         drop(RunFolder::claim(home.path(), &record()).unwrap());
-        for name in ["trace.csv", "verdict.json", "trace.csv.partial", "notes.txt"] {
+        for name in ["trace.csv", "trace.parquet", "verdict.json", "trace.csv.partial", "notes.txt"] {
             fs::write(home.path().join(name), "old").unwrap();
         }
         let _folder = RunFolder::claim(home.path(), &record()).unwrap();

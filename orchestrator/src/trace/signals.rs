@@ -2,7 +2,7 @@
 
 use super::csv::CsvColumn;
 use dsl::scenario::{Column, Scenario};
-use fmi2::description::{ModelDescription, Variable};
+use fmi2::description::{BaseType, ModelDescription, Variable};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -27,10 +27,31 @@ pub struct Signal<'a> {
     /// The names of an enumeration's numbers.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub items: BTreeMap<i32, &'a str>,
+    /// How its slots are read.
+    #[serde(skip)]
+    pub base_type: BaseType,
 }
 
-/// The text of the file for the columns of a scenario; `description_of` hands out the description of an instance.
-pub fn json<'a>(scenario: &'a Scenario, description_of: impl Fn(usize) -> &'a ModelDescription) -> String {
+impl Signal<'_> {
+    /// What there is to say besides the name, as keys and texts.
+    #[must_use]
+    pub fn facts(&self) -> Vec<(&'static str, String)> {
+        let items = (!self.items.is_empty()).then(|| serde_json::json!(self.items).to_string());
+        let facts = [
+            ("unit", self.unit),
+            ("instance", self.instance),
+            ("variable", self.variable),
+            ("type", Some(self.kind)),
+            ("causality", Some(self.causality)),
+            ("description", self.description),
+            ("items", items.as_deref()),
+        ];
+        facts.into_iter().filter_map(|(key, fact)| Some((key, fact?.to_owned()))).collect()
+    }
+}
+
+/// The columns of a scenario's trace, `time` first; `description_of` hands out the description of an instance.
+pub fn of<'a>(scenario: &'a Scenario, description_of: impl Fn(usize) -> &'a ModelDescription) -> Vec<Signal<'a>> {
     let time = Signal {
         name: "time",
         unit: Some("s"),
@@ -40,21 +61,25 @@ pub fn json<'a>(scenario: &'a Scenario, description_of: impl Fn(usize) -> &'a Mo
         causality: "independent",
         description: Some("Simulated time"),
         items: BTreeMap::new(),
+        base_type: BaseType::Real,
     };
     let of_columns = scenario.columns.iter().map(|column| {
         signal(column, &scenario.instances[column.port.instance].name, description_of(column.port.instance))
     });
-    super::json_text(&std::iter::once(time).chain(of_columns).collect::<Vec<_>>())
+    std::iter::once(time).chain(of_columns).collect()
 }
 
-/// The columns as `trace.csv` needs them.
-pub fn csv_columns<'a>(scenario: &Scenario, description_of: impl Fn(usize) -> &'a ModelDescription) -> Vec<CsvColumn> {
-    let base_type = |column: &Column| description_of(column.port.instance).variables[column.port.variable].base_type();
-    scenario
-        .columns
-        .iter()
-        .map(|column| CsvColumn { name: column.name.clone(), base_type: base_type(column) })
-        .collect()
+/// The text of the file.
+#[must_use]
+pub fn json(signals: &[Signal<'_>]) -> String {
+    super::json_text(&signals)
+}
+
+/// The columns as `trace.csv` needs them: it has the time anyway.
+#[must_use]
+pub fn csv_columns(signals: &[Signal<'_>]) -> Vec<CsvColumn> {
+    let column = |signal: &Signal<'_>| CsvColumn { name: signal.name.to_owned(), base_type: signal.base_type };
+    signals.iter().skip(1).map(column).collect()
 }
 
 fn signal<'a>(column: &'a Column, instance: &'a str, description: &'a ModelDescription) -> Signal<'a> {
@@ -68,6 +93,7 @@ fn signal<'a>(column: &'a Column, instance: &'a str, description: &'a ModelDescr
         causality: variable.causality.name(),
         description: variable.description.as_deref(),
         items: description.items_of(variable).iter().map(|item| (item.value, item.name.as_str())).collect(),
+        base_type: variable.base_type(),
     }
 }
 
@@ -83,12 +109,27 @@ fn kind_name(variable: &Variable) -> &'static str {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::trace::verdict::tests::scenario;
     use dsl::scenario::Port;
-    use fmi2::description::{BaseType, Causality, Item, Kind, RealAttributes, RealVariable, SimpleType, TypeKind};
+    use fmi2::description::{Causality, Item, Kind, RealAttributes, RealVariable, SimpleType, TypeKind};
     use fmi2::description::{Position, Variability};
+
+    /// A column that says no more than it must.
+    pub(crate) fn signal(name: &str, base_type: BaseType) -> Signal<'_> {
+        Signal {
+            name,
+            unit: None,
+            instance: None,
+            variable: None,
+            kind: "Real",
+            causality: "output",
+            description: None,
+            items: BTreeMap::new(),
+            base_type,
+        }
+    }
 
     fn variable(name: &str, kind: Kind) -> Variable {
         Variable {
@@ -129,9 +170,20 @@ mod tests {
             scenario.columns.push(Column { name: name.to_owned(), port: Port { instance: 0, variable } });
         }
         let description = description();
-        insta::assert_snapshot!(json(&scenario, |_| &description));
-        let types: Vec<_> =
-            csv_columns(&scenario, |_| &description).into_iter().map(|column| column.base_type).collect();
+        let signals = of(&scenario, |_| &description);
+        insta::assert_snapshot!(json(&signals));
+        let types: Vec<_> = csv_columns(&signals).into_iter().map(|column| column.base_type).collect();
         assert_eq!(types, [BaseType::Real, BaseType::Integer]);
+        let facts: Vec<_> = signals[2].facts().into_iter().map(|(key, fact)| format!("{key}: {fact}")).collect();
+        assert_eq!(
+            facts,
+            [
+                "instance: quad",
+                "variable: method",
+                "type: Enumeration",
+                "causality: output",
+                r#"items: {"1":"grid","2":"ant_colony"}"#
+            ]
+        );
     }
 }

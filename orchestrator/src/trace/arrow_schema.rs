@@ -1,0 +1,182 @@
+//! Field metadata of `trace.parquet`: the key `ARROW:schema`, where Arrow readers look for what Parquet has no place for.
+//!
+//! ```text
+//! base64 of   FFFFFFFF, length, Message (Flatbuffers)
+//!                               └─ Schema ─ fields: name, type, custom_metadata: key, value
+//! ```
+//!
+//! The value is a schema message of the Arrow columnar format, section "Encapsulated message format"; its tables stand in
+//! Arrow's `Message.fbs` and `Schema.fbs`. Every cell of a table has 4 bytes here, since none of the values needs more.
+
+use super::signals::Signal;
+use fmi2::description::BaseType;
+
+/// The key in the file's metadata.
+pub const KEY: &str = "ARROW:schema";
+
+/// `MetadataVersion.V5`
+const VERSION: u32 = 4;
+/// `MessageHeader.Schema`
+const SCHEMA: u32 = 1;
+/// `Precision.DOUBLE`
+const DOUBLE: u32 = 2;
+
+/// What a Flatbuffers table or vector can hold.
+#[derive(Clone, Debug)]
+enum Value {
+    /// A number in place.
+    Number(u32),
+    Text(String),
+    Vector(Vec<Value>),
+    /// The fields by number; `None` is the default of the schema.
+    Table(Vec<Option<Value>>),
+}
+
+/// The value of the key for the columns of a trace.
+pub fn value(signals: &[Signal<'_>]) -> String {
+    let schema = Value::Table(vec![None, Some(Value::Vector(signals.iter().map(field).collect()))]);
+    base64(&message(&Value::Table(vec![Some(Value::Number(VERSION)), Some(Value::Number(SCHEMA)), Some(schema)])))
+}
+
+fn field(signal: &Signal<'_>) -> Value {
+    let (kind, attributes) = match signal.base_type {
+        BaseType::Real => (3, vec![Some(Value::Number(DOUBLE))]),
+        BaseType::Integer => (2, vec![Some(Value::Number(32)), Some(Value::Number(1))]),
+        BaseType::Boolean => (6, Vec::new()),
+        BaseType::String => unreachable!("the resolver admits no column of strings"),
+    };
+    let text = |text: &str| Some(Value::Text(text.to_owned()));
+    let fact = |(key, value): (&str, String)| Value::Table(vec![text(key), Some(Value::Text(value))]);
+    Value::Table(vec![
+        text(signal.name),
+        None,
+        Some(Value::Number(kind)),
+        Some(Value::Table(attributes)),
+        None,
+        Some(Value::Vector(Vec::new())),
+        Some(Value::Vector(signal.facts().into_iter().map(fact).collect())),
+    ])
+}
+
+/// A message with its frame, in whole units of 8 bytes.
+fn message(root: &Value) -> Vec<u8> {
+    let mut buffer = Buffer(Vec::new());
+    buffer.cells(&[root]);
+    let Buffer(mut bytes) = buffer;
+    bytes.resize(bytes.len().next_multiple_of(8), 0);
+    let length = u32::try_from(bytes.len()).unwrap_or_else(|_| unreachable!("a schema has less than 4 GB"));
+    [&[0xff; 4], &length.to_le_bytes(), bytes.as_slice()].concat()
+}
+
+/// Flatbuffers from front to back: what holds something comes before what it holds, as offsets are unsigned.
+struct Buffer(Vec<u8>);
+
+impl Buffer {
+    fn add(&mut self, number: usize) {
+        // An offset within less than 4 GB, as `message` checks.
+        self.0.extend((number as u32).to_le_bytes());
+    }
+
+    /// Adds cells in a row, then what lies behind those that are no numbers.
+    fn cells(&mut self, values: &[&Value]) {
+        let first = self.0.len();
+        for value in values {
+            self.add(if let Value::Number(number) = value { *number as usize } else { 0 });
+        }
+        for (at, value) in (first..).step_by(4).zip(values) {
+            if !matches!(value, Value::Number(_)) {
+                let offset = (self.behind(value) - at) as u32;
+                self.0[at..at + 4].copy_from_slice(&offset.to_le_bytes());
+            }
+        }
+    }
+
+    /// Adds what a cell leads to, and says where it begins.
+    fn behind(&mut self, value: &Value) -> usize {
+        let begin = self.0.len();
+        match value {
+            Value::Number(_) => unreachable!("a number stands in its cell"),
+            Value::Text(text) => {
+                self.add(text.len());
+                self.0.extend(text.bytes().chain([0]));
+                self.align();
+            }
+            Value::Vector(items) => {
+                self.add(items.len());
+                self.cells(&items.iter().collect::<Vec<_>>());
+            }
+            Value::Table(fields) => return self.table(fields),
+        }
+        begin
+    }
+
+    /// Adds a table behind its list of places: their size, the table's, and for each field where it stands or 0.
+    fn table(&mut self, fields: &[Option<Value>]) -> usize {
+        let places = self.0.len();
+        let present: Vec<_> = fields.iter().flatten().collect();
+        let sizes = [4 + 2 * fields.len(), 4 + 4 * present.len()];
+        let mut free = (4..).step_by(4);
+        let stands = fields.iter().map(|field| if field.is_some() { free.next().unwrap_or_default() } else { 0 });
+        for number in sizes.into_iter().chain(stands) {
+            self.0.extend((number as u16).to_le_bytes());
+        }
+        self.align();
+        let begin = self.0.len();
+        self.add(begin - places);
+        self.cells(&present);
+        begin
+    }
+
+    fn align(&mut self) {
+        self.0.resize(self.0.len().next_multiple_of(4), 0);
+    }
+}
+
+/// RFC 4648, section 4.
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::new();
+    for chunk in bytes.chunks(3) {
+        let mut group = [0; 4];
+        group[1..=chunk.len()].copy_from_slice(chunk);
+        let bits = u32::from_be_bytes(group);
+        for i in 0..4 {
+            let letter = LETTERS[(bits >> (18 - 6 * i)) as usize & 63];
+            text.push(if i <= chunk.len() { char::from(letter) } else { '=' });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_of_every_length_have_their_base64() {
+        // RFC 4648, section 10.
+        let expected = ["", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy"];
+        for (length, expected) in expected.iter().enumerate() {
+            assert_eq!(base64(&b"foobar"[..length]), *expected);
+        }
+        assert_eq!(base64(&[0xfb, 0xff, 0xfe]), "+//+");
+    }
+
+    #[test]
+    fn a_table_is_laid_out_as_flatbuffers_says() {
+        let root = Value::Table(vec![Some(Value::Number(7)), None, Some(Value::Text("ab".to_owned()))]);
+        let bytes = message(&root);
+        #[rustfmt::skip]
+        let expected = [
+            0xff, 0xff, 0xff, 0xff, 40, 0, 0, 0, // the frame: what follows has 40 bytes
+            16, 0, 0, 0,                         // the root lies 16 bytes on
+            10, 0, 12, 0, 4, 0, 0, 0, 8, 0, 0, 0, // places: 10 bytes for a table of 12; field 0 at 4, field 2 at 8; filled up
+            12, 0, 0, 0,                         // the table: its places stand 12 bytes before
+            7, 0, 0, 0,                          // field 0
+            4, 0, 0, 0,                          // field 2 lies 4 bytes on
+            2, 0, 0, 0, b'a', b'b', 0, 0,        // a text of 2 bytes, its closing zero, filled up
+            0, 0, 0, 0,
+        ];
+        assert_eq!(bytes, expected);
+    }
+}
