@@ -78,7 +78,7 @@ fn step_loop<'a>(plan: &'a Plan, board: &'a Board, aboard: Vec<Seating>) -> Step
     let worker: Box<dyn Worker> = Box::new(InProcess::new(&wiring, aboard, board.note(0)));
     let pace = plan.pace.map(|pace| Pace::new(pace, scenario.step_ns));
     let told = Told::new(board, pace);
-    let wishes = Wishes { fail_fast: plan.fail_fast, record: plan.record };
+    let wishes = Wishes { fail_fast: plan.fail_fast, record: plan.hands_over_rows() };
     StepLoop::new(wiring, claims, vec![worker], wishes, told)
 }
 

@@ -4,6 +4,7 @@ use crate::catalogue::Catalogue;
 use crate::plan::{Plan, PlannedUnit};
 use crate::report::{error_text, status};
 use crate::script::Script;
+use crate::supervise::Audience;
 use crate::trace::run_folder::RunFolder;
 use crate::trace::run_record::{HashedFile, Host, RunRecord, RunState, now, sha256};
 use crate::unit::archive::unpack;
@@ -44,6 +45,8 @@ pub struct Preparation {
     pub home: TempDir,
     /// The script as the user named it.
     pub script: String,
+    /// Who sees the run go on besides its trace.
+    pub audience: Option<Box<dyn Audience>>,
 }
 
 /// Why a run cannot begin, as the user reads it.
@@ -91,10 +94,11 @@ pub fn prepare(mut script: Script, wanted: Wanted) -> Result<Preparation, Refusa
         board: home.path().join("board"),
         fail_fast: wanted.fail_fast,
         record: wanted.record,
+        live: false,
         pace: wanted.pace,
         units,
     };
-    Ok(Preparation { plan, record, folder, home, script: script.name })
+    Ok(Preparation { plan, record, folder, home, script: script.name, audience: None })
 }
 
 fn unit_of(units: &[PlannedUnit], name: &str) -> usize {

@@ -2,6 +2,7 @@
 //!
 //! Whatever a unit does to the stepping process, the rows up to there and the call in which it happened are here.
 
+mod audience;
 mod last_words;
 mod stepping_process;
 #[cfg(test)]
@@ -19,11 +20,13 @@ use crate::trace::csv::TraceFile;
 use crate::trace::verdict::{Finding, JudgedClaim, Judgement};
 use crate::unit::board::{Board, BoardLayout, InCall};
 use crate::wiring::seconds;
+pub use audience::Audience;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitStatus;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use std::{fmt, thread};
 pub use stepping_process::SUBCOMMAND;
@@ -113,23 +116,29 @@ fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError 
     move |error| SuperviseError::Start { doing, error }
 }
 
-/// Runs a plan to its end. Rows go to `trace`, which is whole when this returns.
+/// Runs a plan to its end. Rows go to `trace`, which is whole when this returns, and to the audience, which is not told
+/// that the run is over.
 ///
 /// # Errors
 /// If the stepping process cannot be started or the trace not be written; the stepping process is gone then too.
 pub fn supervise<W: Write>(
     orders: &Orders,
     trace: Option<TraceFile>,
+    mut audience: Option<&mut (dyn Audience + 'static)>,
     console: &mut Console<W>,
 ) -> Result<Ended, SuperviseError> {
     let plan = orders.plan;
-    let columns = if plan.record { plan.scenario.columns.len() } else { 0 };
+    let columns = if plan.hands_over_rows() { plan.scenario.columns.len() } else { 0 };
     let layout = BoardLayout { notes: 1, columns, claims: plan.scenario.claims.len() };
     let board = Board::create(&plan.board, &layout).map_err(start_error("make the board of the run"))?;
+    let board = Arc::new(board);
+    if let Some(audience) = &mut audience {
+        audience.begin(&board);
+    }
     let mut signals = Signals::new([SIGINT, SIGTERM]).map_err(start_error("listen for Ctrl-C"))?;
     let mut process =
         SteppingProcess::start(&orders.program, plan).map_err(start_error("start the stepping process"))?;
-    let mut run = Supervision::new(orders, &board, trace, console);
+    let mut run = Supervision::new(orders, &board, trace, audience, console);
     loop {
         // Asked before the rings are emptied: what it said before it ended is in them.
         let status = process.ended().map_err(start_error("look after the stepping process"))?;
@@ -159,6 +168,7 @@ struct Supervision<'a, W: Write> {
     board: &'a Board,
     console: &'a mut Console<W>,
     trace: Option<TraceFile>,
+    audience: Option<&'a mut (dyn Audience + 'static)>,
     saved: Instant,
     began: Instant,
     polled: Instant,
@@ -171,13 +181,20 @@ struct Supervision<'a, W: Write> {
 }
 
 impl<'a, W: Write> Supervision<'a, W> {
-    fn new(orders: &Orders<'a>, board: &'a Board, trace: Option<TraceFile>, console: &'a mut Console<W>) -> Self {
+    fn new(
+        orders: &Orders<'a>,
+        board: &'a Board,
+        trace: Option<TraceFile>,
+        audience: Option<&'a mut (dyn Audience + 'static)>,
+        console: &'a mut Console<W>,
+    ) -> Self {
         let now = Instant::now();
         Self {
             plan: orders.plan,
             board,
             console,
             trace,
+            audience,
             saved: now,
             began: now,
             polled: now,
@@ -192,12 +209,15 @@ impl<'a, W: Write> Supervision<'a, W> {
 
     /// Takes everything out of the rings; says whether there was something.
     fn drain(&mut self) -> Result<bool, TraceError> {
-        let (trace, last_row) = (&mut self.trace, &mut self.last_row);
+        let (trace, audience, last_row) = (&mut self.trace, &mut self.audience, &mut self.last_row);
         let mut refused = None;
         let rows = self.board.pop_rows(|tick, slots| {
             *last_row = Some(tick);
             if let (Some(trace), None) = (trace.as_mut(), &refused) {
                 refused = trace.record(tick, slots).err();
+            }
+            if let Some(audience) = audience {
+                audience.row(tick, slots);
             }
         });
         let mut messages = Vec::new();
@@ -288,7 +308,7 @@ impl<'a, W: Write> Supervision<'a, W> {
         Ok(Ended {
             last_tick,
             interrupted: ended_by_loop.unwrap_or(self.interrupts > 0),
-            findings: findings(self.board, self.plan),
+            findings: findings(self.board, self.plan.scenario.claims.len()),
             wall: self.began.elapsed(),
             finish: self.finish,
             failure: self.failure,
@@ -311,10 +331,10 @@ fn standing_claims(board: &Board, plan: &Plan) -> Vec<JudgedClaim> {
     told.collect()
 }
 
-/// How the claims came out; what is still open when the process is gone is unjudged.
-fn findings(board: &Board, plan: &Plan) -> Vec<Finding> {
+/// How the first so many claims stand; what is open is unjudged, with the margin so far.
+pub(crate) fn findings(board: &Board, claims: usize) -> Vec<Finding> {
     let finding = |i| {
-        let unjudged = Finding { judgement: Judgement::Unjudged, margin: 0.0, worst_tick: 0 };
+        let unjudged = Finding { judgement: Judgement::Unjudged, margin: f64::NAN, worst_tick: 0 };
         board.claim(i).map_or(unjudged, |note| Finding {
             judgement: match Verdict::from_number(note.verdict) {
                 Some(Verdict::Holds) => Judgement::Ok,
@@ -325,5 +345,5 @@ fn findings(board: &Board, plan: &Plan) -> Vec<Finding> {
             worst_tick: note.worst_tick,
         })
     };
-    (0..plan.scenario.claims.len()).map(finding).collect()
+    (0..claims).map(finding).collect()
 }

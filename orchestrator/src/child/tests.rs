@@ -85,6 +85,7 @@ fn a_long_flight_asks_for_memory_as_often_as_a_short_one() {
             board,
             fail_fast: true,
             record: true,
+            live: false,
             pace: None,
         };
         let layout = BoardLayout { notes: 1, columns: plan.scenario.columns.len(), claims: plan.scenario.claims.len() };

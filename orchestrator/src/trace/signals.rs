@@ -83,7 +83,7 @@ fn kind_name(variable: &Variable) -> &'static str {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::trace::verdict::tests::scenario;
     use dsl::scenario::Port;
@@ -104,7 +104,8 @@ mod tests {
         }
     }
 
-    fn description() -> ModelDescription {
+    /// Of a unit with a `height` and a `method`.
+    pub(crate) fn description() -> ModelDescription {
         let attributes = RealAttributes { unit: Some("m".to_owned()), ..RealAttributes::default() };
         let mut height = variable("height", Kind::Real(RealVariable { attributes, ..RealVariable::default() }));
         height.description = Some("Height over ground".to_owned());
