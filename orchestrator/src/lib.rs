@@ -9,6 +9,8 @@
 //!
 //! Whatever a unit does to its process, the parent still holds the rows and the last words.
 
+#[cfg(feature = "bus")]
+pub mod bus;
 pub mod catalogue;
 pub mod child;
 pub mod claims;

@@ -1,5 +1,8 @@
 //! `lockstep run`: one run of a script.
 
+#[cfg(feature = "bus")]
+mod live;
+
 use super::exit_code;
 use crate::execution::{Manner, Outcome};
 use crate::preparation::{self, Preparation, Refusal, Wanted, default_folder};
@@ -40,6 +43,9 @@ pub struct Run {
     /// Simulated seconds for each second of the wall clock, to watch it: 1 is real time [default: as fast as it goes]
     #[arg(long, value_name = "FACTOR", value_parser = pace)]
     pace: Option<f64>,
+    #[cfg(feature = "bus")]
+    #[command(flatten)]
+    live: live::Live,
     /// Print verdict.json instead of the table
     #[arg(long)]
     json: bool,
@@ -80,6 +86,8 @@ impl Run {
         let catalogue = preparation::catalogue(&self.units, !self.no_build)?;
         let script = Script::read(&self.script, &self.set, &catalogue)
             .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", self.script.display()), None))?;
+        #[cfg(feature = "bus")]
+        let listening = self.live.listen()?;
         let out = self.out.clone().unwrap_or_else(|| default_folder(&self.script));
         let wanted = Wanted {
             out,
@@ -88,7 +96,10 @@ impl Run {
             pace: self.pace,
             files: Vec::new(),
         };
-        preparation::prepare(script, wanted)
+        let ready = preparation::prepare(script, wanted)?;
+        #[cfg(feature = "bus")]
+        let ready = self.live.show(listening, ready)?;
+        Ok(ready)
     }
 
     fn tell(&self, outcome: &Outcome) {

@@ -41,10 +41,17 @@ pub fn json<'a>(scenario: &'a Scenario, description_of: impl Fn(usize) -> &'a Mo
         description: Some("Simulated time"),
         items: BTreeMap::new(),
     };
-    let of_columns = scenario.columns.iter().map(|column| {
+    super::json_text(&std::iter::once(time).chain(of_columns(scenario, description_of)).collect::<Vec<_>>())
+}
+
+/// What the columns of a scenario are, in their order.
+pub fn of_columns<'a>(
+    scenario: &'a Scenario,
+    description_of: impl Fn(usize) -> &'a ModelDescription,
+) -> impl Iterator<Item = Signal<'a>> {
+    scenario.columns.iter().map(move |column| {
         signal(column, &scenario.instances[column.port.instance].name, description_of(column.port.instance))
-    });
-    super::json_text(&std::iter::once(time).chain(of_columns).collect::<Vec<_>>())
+    })
 }
 
 /// The columns as `trace.csv` needs them.

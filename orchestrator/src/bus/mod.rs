@@ -1,0 +1,3 @@
+//! What goes over zenoh, which nothing outside of this folder names.
+
+pub mod watch;
