@@ -122,7 +122,7 @@ fn step_loop<'a>(
     let claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
     let pace = plan.pace.map(|pace| Pace::new(pace, scenario.step_ns));
     let told = Told::new(board, pace, &plan.saves);
-    let wishes = Wishes { fail_fast: plan.fail_fast, record: plan.record };
+    let wishes = Wishes { fail_fast: plan.fail_fast, record: plan.hands_over_rows() };
     StepLoop::new(wiring, claims, workers, wishes, told)
 }
 

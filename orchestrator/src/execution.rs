@@ -6,7 +6,7 @@ use crate::preparation::Preparation;
 use crate::report;
 use crate::report::console::{Console, Style};
 use crate::report::table::{Ending, Heading};
-use crate::supervise::{Ended, Orders, Placement, SuperviseError, supervise};
+use crate::supervise::{Audience, Ended, Orders, Placement, SuperviseError, supervise};
 use crate::trace::checkpoint::Saving;
 use crate::trace::recorder::Recorder;
 use crate::trace::run_folder::{RunFolder, VERDICT_JSON};
@@ -63,9 +63,12 @@ impl Outcome {
 /// # Errors
 /// If the run could not be looked after, or its files not be written.
 pub fn carry_out(ready: Preparation, manner: Manner) -> Result<Outcome, SuperviseError> {
-    let Preparation { plan, saving, mut record, mut folder, home: _home, script } = ready;
-    let ended =
-        look_after(&plan, &saving, &folder, manner).inspect_err(|error| note_break(&mut folder, &mut record, error))?;
+    let Preparation { plan, saving, mut record, mut folder, home: _home, script, mut audience } = ready;
+    let ended = look_after(&plan, &saving, &folder, audience.as_deref_mut(), manner);
+    if let Some(audience) = audience {
+        audience.end(ended.as_ref().map_or(RunState::Broken, run_state));
+    }
+    let ended = ended.inspect_err(|error| note_break(&mut folder, &mut record, error))?;
     if let Some(failure) = &ended.failure {
         report::error(failure, failure.help().as_deref());
     }
@@ -79,13 +82,19 @@ pub fn carry_out(ready: Preparation, manner: Manner) -> Result<Outcome, Supervis
     Ok(Outcome { ended, verdict, folder, script, from_s: plan.from_s(), stop_s })
 }
 
-fn look_after(plan: &Plan, saving: &Saving, folder: &RunFolder, manner: Manner) -> Result<Ended, SuperviseError> {
+fn look_after(
+    plan: &Plan,
+    saving: &Saving,
+    folder: &RunFolder,
+    audience: Option<&mut (dyn Audience + 'static)>,
+    manner: Manner,
+) -> Result<Ended, SuperviseError> {
     let program = std::env::current_exe();
     let program = program.map_err(|error| SuperviseError::Start { doing: "find this program", error })?;
     let trace = begin_trace(folder, plan).map_err(SuperviseError::Trace)?;
     let step_timeout = (!manner.step_timeout.is_zero()).then_some(manner.step_timeout);
     let orders = Orders { plan, saving, program, step_timeout, placement: manner.placement };
-    supervise(&orders, trace, &mut Console::stderr(manner.style))
+    supervise(&orders, trace, audience, &mut Console::stderr(manner.style))
 }
 
 /// Notes, and tells as far as the caller will not, what broke a run that left no results.

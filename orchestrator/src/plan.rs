@@ -24,8 +24,10 @@ pub struct Plan {
     pub board: PathBuf,
     /// End as soon as a claim is lost.
     pub fail_fast: bool,
-    /// Record nothing (`--record none`).
+    /// Write the trace; not with `--record none`.
     pub record: bool,
+    /// Somebody may watch: rows are handed over even if nothing of them is written.
+    pub live: bool,
     /// Simulated seconds for each second of the wall clock (`--pace`); `None` for as fast as it goes.
     pub pace: Option<f64>,
     /// When the run is to be kept as it is, each time once.
@@ -50,6 +52,14 @@ pub struct PlannedSave {
     /// The private file that takes it on its way to the parent.
     #[serde(with = "path_bytes")]
     pub file: PathBuf,
+}
+
+impl Plan {
+    /// Whether the loop hands over rows.
+    #[must_use]
+    pub fn hands_over_rows(&self) -> bool {
+        self.record || self.live
+    }
 }
 
 /// A unit, unpacked by the parent.

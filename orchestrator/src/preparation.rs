@@ -8,6 +8,7 @@ use crate::catalogue::Catalogue;
 use crate::plan::{Plan, PlannedSave, PlannedUnit};
 use crate::report::{error_text, status};
 use crate::script::Script;
+use crate::supervise::Audience;
 use crate::trace::checkpoint::Saving;
 use crate::trace::run_folder::RunFolder;
 use crate::trace::run_record::{HashedFile, Host, RunRecord, RunState, now, sha256};
@@ -57,6 +58,8 @@ pub struct Preparation {
     pub home: TempDir,
     /// The script as the user named it.
     pub script: String,
+    /// Who sees the run go on besides its trace.
+    pub audience: Option<Box<dyn Audience>>,
 }
 
 /// Why a run cannot begin, as the user reads it.
@@ -109,12 +112,13 @@ pub fn prepare(mut script: Script, wanted: Wanted) -> Result<Preparation, Refusa
         board: home.path().join("board"),
         fail_fast: wanted.fail_fast,
         record: wanted.record,
+        live: false,
         pace: wanted.pace,
         saves: planned_saves(&saving, home.path()),
         from,
         units,
     };
-    Ok(Preparation { plan, saving, record, folder, home, script: script.name })
+    Ok(Preparation { plan, saving, record, folder, home, script: script.name, audience: None })
 }
 
 /// A private file for each tick at which something is saved.

@@ -3,8 +3,10 @@
 //! Whatever a unit does to the stepping process, the rows up to there and the call in which it happened are here. Where
 //! each instance has a process of its own the loop runs in a thread of this one, and all else is the same.
 
+mod audience;
 mod last_words;
 mod stepping_process;
+mod terms;
 #[cfg(test)]
 mod tests;
 mod words;
@@ -23,16 +25,17 @@ use crate::trace::verdict::{Finding, JudgedClaim, Judgement};
 use crate::unit::board::{Board, BoardLayout, InCall};
 use crate::watchdog::Watchdog;
 use crate::wiring::seconds;
+pub use audience::Audience;
 pub use last_words::{cause_of_death, failure};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use std::io::{self, Write};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use std::{fmt, fs, thread};
+use std::{fs, thread};
 pub use stepping_process::SUBCOMMAND;
 use stepping_process::SteppingProcess;
+pub use terms::{Ended, Orders, Placement, Stepping, SuperviseError};
 use words::Words;
 
 /// How long the parent sleeps when nothing came, and when something did.
@@ -43,135 +46,45 @@ const SAVE_EVERY: Duration = Duration::from_millis(500);
 /// How long a stepping process may take to go after it said that it is done.
 const FAREWELL: Duration = Duration::from_secs(2);
 
-/// What the parent of a run is told.
-#[derive(Clone, Debug)]
-pub struct Orders<'a> {
-    /// What to run.
-    pub plan: &'a Plan,
-    /// The checkpoints that it is to leave.
-    pub saving: &'a Saving,
-    /// The program that knows the subcommand `step-loop`.
-    pub program: PathBuf,
-    /// How long a call of a unit may take; `None` waits for ever.
-    pub step_timeout: Option<Duration>,
-    /// Where the instances live.
-    pub placement: Placement,
-}
-
-/// Where the instances of a run live. What comes of it is the same.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Placement {
-    /// All of them in one process, with the loop.
-    #[default]
-    Together,
-    /// Each in a process of its own; the loop is here.
-    #[cfg(feature = "bus")]
-    Isolated,
-}
-
-/// What steps a run, seen from the one who looks after it.
-pub trait Stepping {
-    /// If it is over: why, should it count as broken since it did not say that it was done. All that it told is on the
-    /// board then.
-    ///
-    /// # Errors
-    /// The system does not tell.
-    fn ended(&mut self) -> io::Result<Option<Cause>>;
-
-    /// Ends it at once; [`Stepping::ended`] tells when that has happened.
-    fn kill(&mut self);
-}
-
-/// How a run ended.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Ended {
-    /// The tick that it reached.
-    pub last_tick: u64,
-    /// What the loop said, if it ended by itself.
-    pub finish: Option<Finish>,
-    /// What broke it, if something did.
-    pub failure: Option<Failure>,
-    /// Whether the user ended it.
-    pub interrupted: bool,
-    /// How each claim came out.
-    pub findings: Vec<Finding>,
-    /// How long it took.
-    pub wall: Duration,
-}
-
-/// Why a run could not be looked after.
-#[derive(Debug)]
-pub enum SuperviseError {
-    /// The system refused something before the first step.
-    Start {
-        /// What was being done.
-        doing: &'static str,
-        /// What the system said.
-        error: io::Error,
-    },
-    /// The results could not be written.
-    Trace(TraceError),
-    /// The results could not be written of a run that had broken before.
-    Broken {
-        /// What broke it.
-        failure: Box<Failure>,
-        /// Why there are no results.
-        error: TraceError,
-    },
-}
-
-impl SuperviseError {
-    /// The results could not be written; what broke the run before is kept.
-    #[must_use]
-    pub fn unwritten(failure: Option<Failure>, error: TraceError) -> Self {
-        match failure {
-            Some(failure) => Self::Broken { failure: Box::new(failure), error },
-            None => Self::Trace(error),
-        }
-    }
-}
-
-impl fmt::Display for SuperviseError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Start { doing, error } => write!(f, "cannot {doing}: {error}"),
-            Self::Trace(error) | Self::Broken { error, .. } => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for SuperviseError {}
-
 fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError {
     move |error| SuperviseError::Start { doing, error }
 }
 
-/// Runs a plan to its end. Rows go to `trace`, which is whole when this returns.
+/// Runs a plan to its end. Rows go to `trace`, which is whole when this returns, and to the audience, which is not told
+/// that the run is over.
 ///
 /// # Errors
 /// If what steps cannot be started or the trace not be written; no process of the run is left then either.
 pub fn supervise<W: Write>(
     orders: &Orders,
     trace: Option<Recorder>,
+    mut audience: Option<&mut (dyn Audience + 'static)>,
     console: &mut Console<W>,
 ) -> Result<Ended, SuperviseError> {
     let plan = orders.plan;
-    let columns = if plan.record { plan.scenario.columns.len() } else { 0 };
+    let columns = if plan.hands_over_rows() { plan.scenario.columns.len() } else { 0 };
     let layout = BoardLayout { notes: 1, columns, claims: plan.scenario.claims.len() };
     let signals = Signals::new([SIGINT, SIGTERM]).map_err(start_error("listen for Ctrl-C"))?;
     match orders.placement {
         Placement::Together => {
             let board = Board::create(&plan.board, &layout).map_err(start_error("make the board of the run"))?;
+            let board = Arc::new(board);
+            if let Some(audience) = &mut audience {
+                audience.begin(&board);
+            }
             let process =
                 SteppingProcess::start(&orders.program, plan).map_err(start_error("start the stepping process"))?;
-            look_after(process, signals, Supervision::new(orders, &board, trace, console))
+            look_after(process, signals, Supervision::new(orders, &board, trace, audience, console))
         }
         #[cfg(feature = "bus")]
         Placement::Isolated => {
             let board = Board::private(&layout).map_err(start_error("make the board of the run"))?;
             let board = Arc::new(board);
+            if let Some(audience) = &mut audience {
+                audience.begin(&board);
+            }
             let loop_here = crate::bus::Isolated::start(orders, &board).map_err(start_error("start the workers"))?;
-            look_after(loop_here, signals, Supervision::new(orders, &board, trace, console))
+            look_after(loop_here, signals, Supervision::new(orders, &board, trace, audience, console))
         }
     }
 }
@@ -213,6 +126,7 @@ struct Supervision<'a, W: Write> {
     board: &'a Board,
     console: &'a mut Console<W>,
     trace: Option<Recorder>,
+    audience: Option<&'a mut (dyn Audience + 'static)>,
     saved: Instant,
     began: Instant,
     polled: Instant,
@@ -226,7 +140,13 @@ struct Supervision<'a, W: Write> {
 }
 
 impl<'a, W: Write> Supervision<'a, W> {
-    fn new(orders: &Orders<'a>, board: &'a Board, trace: Option<Recorder>, console: &'a mut Console<W>) -> Self {
+    fn new(
+        orders: &Orders<'a>,
+        board: &'a Board,
+        trace: Option<Recorder>,
+        audience: Option<&'a mut (dyn Audience + 'static)>,
+        console: &'a mut Console<W>,
+    ) -> Self {
         let now = Instant::now();
         Self {
             plan: orders.plan,
@@ -235,6 +155,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             board,
             console,
             trace,
+            audience,
             saved: now,
             began: now,
             polled: now,
@@ -253,12 +174,15 @@ impl<'a, W: Write> Supervision<'a, W> {
     fn drain(&mut self) -> Result<bool, TraceError> {
         // Asked before the rings are emptied: all that counts before this tick was said before it was reached.
         let reached = self.board.tick();
-        let (trace, last_row) = (&mut self.trace, &mut self.last_row);
+        let (trace, audience, last_row) = (&mut self.trace, &mut self.audience, &mut self.last_row);
         let mut refused = None;
         let rows = self.board.pop_rows(|tick, slots| {
             *last_row = Some(tick);
             if let (Some(trace), None) = (trace.as_mut(), &refused) {
                 refused = trace.record(tick, slots).err();
+            }
+            if let Some(audience) = audience {
+                audience.row(tick, slots);
             }
         });
         let mut messages = Vec::new();
@@ -394,7 +318,7 @@ impl<'a, W: Write> Supervision<'a, W> {
         Ok(Ended {
             last_tick,
             interrupted: ended_by_loop.unwrap_or(self.interrupts > 0),
-            findings: findings(self.board, self.plan),
+            findings: findings(self.board, self.plan.scenario.claims.len()),
             wall: self.began.elapsed(),
             finish: self.finish,
             failure: self.failure,
@@ -417,10 +341,10 @@ fn standing_claims(board: &Board, plan: &Plan) -> Vec<JudgedClaim> {
     told.collect()
 }
 
-/// How the claims came out; what is still open when the process is gone is unjudged.
-fn findings(board: &Board, plan: &Plan) -> Vec<Finding> {
+/// How the first so many claims stand; what is open is unjudged, with the margin so far.
+pub(crate) fn findings(board: &Board, claims: usize) -> Vec<Finding> {
     let finding = |i| {
-        let unjudged = Finding { judgement: Judgement::Unjudged, margin: 0.0, worst_tick: 0 };
+        let unjudged = Finding { judgement: Judgement::Unjudged, margin: f64::NAN, worst_tick: 0 };
         board.claim(i).map_or(unjudged, |note| Finding {
             judgement: match Verdict::from_number(note.verdict) {
                 Some(Verdict::Holds) => Judgement::Ok,
@@ -431,5 +355,5 @@ fn findings(board: &Board, plan: &Plan) -> Vec<Finding> {
             worst_tick: note.worst_tick,
         })
     };
-    (0..plan.scenario.claims.len()).map(finding).collect()
+    (0..claims).map(finding).collect()
 }

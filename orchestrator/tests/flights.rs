@@ -91,6 +91,7 @@ fn fly(scenario: Scenario, foreign: &Foreign) -> Flown {
         board,
         fail_fast: false,
         record: true,
+        live: false,
         pace: None,
         saves: Vec::new(),
         from: None,

@@ -155,6 +155,7 @@ fn plan(unit: &Unit, count: usize) -> Plan {
         board,
         fail_fast: false,
         record: false,
+        live: false,
         pace: None,
         saves: Vec::new(),
         from: None,

@@ -3,7 +3,8 @@
 //! `cargo bench -p orchestrator --bench whole_process` runs the built `lockstep` on chains of units of the export layer,
 //! recording nothing and everything, in turn with the hand-written loop over the same units, which itself writes nothing,
 //! or the same numbers; then `first_flight`, in one process and with a process for each instance; then the shortest runs,
-//! and what memory a worker takes.
+//! and what memory a worker takes; then ten times as long a flight that can be watched, and one that is, beside itself
+//! without `--live`. The one who watches is a Python program in `.venv`, which `tests/run` makes.
 #![expect(unsafe_code, reason = "the hand-written loop calls through raw function pointers, as it must")]
 #![expect(clippy::print_stdout, reason = "this is what a benchmark is for")]
 
@@ -13,12 +14,13 @@ mod peer;
 
 use peer::table::{Table, alternate};
 use peer::{Unit, packed};
+use std::cell::RefCell;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -35,7 +37,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         chains(&table, folder.path(), ports, unrecorded, recorded)?;
     }
     let table = Table::begin("\na run as a user sees it");
-    as_seen(&table, folder.path())
+    as_seen(&table, folder.path())?;
+    let table = Table::begin("\na run that can be watched, beside one that cannot");
+    watched(&table, folder.path())
 }
 
 /// Chains of units with so many ports, that run for so many ticks without a trace and with one.
@@ -131,6 +135,65 @@ fn memory_of_a_worker(script: &Path, from: &Path) -> Result<String, Box<dyn Erro
     };
     let own = megabytes("Private_Clean:") + megabytes("Private_Dirty:");
     Ok(format!("{:.1} MB resident, {own:.1} MB its own", megabytes("Rss:")))
+}
+
+/// What it costs to let others watch.
+fn watched(table: &Table, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize()?;
+    let script = folder.join("long_flight.scn");
+    let flight = fs::read_to_string(repository.join("scenarios/first_flight.scn"))?;
+    fs::write(&script, flight.replace("stop 84 s", "stop 840 s"))?;
+    let unwatchable = || lockstep(&script, &repository, &[]);
+    let nobody = || alternate(BLOCKS, || lockstep(&script, &repository, &["--live"]), unwatchable);
+    table.row("nobody watches", Some(1.05), nobody)?;
+    let endpoint = format!("unixsock-stream/{}", folder.join("watch.sock").display());
+    let option = format!("--live={endpoint}");
+    let somebody = || {
+        let watcher = RefCell::new(Watcher::start(&repository, &endpoint)?);
+        let seen = || {
+            let took = lockstep(&script, &repository, &[&option])?;
+            watcher.borrow_mut().await_run()?;
+            Ok(took)
+        };
+        alternate(BLOCKS, seen, unwatchable)
+    };
+    table.row("one watches", Some(1.35), somebody)?;
+    Ok(())
+}
+
+/// A process that watches each run that comes; killed when dropped.
+struct Watcher {
+    process: Child,
+    runs: BufReader<ChildStdout>,
+}
+
+impl Watcher {
+    fn start(repository: &Path, endpoint: &str) -> Result<Self, Box<dyn Error>> {
+        let python = repository.join(".venv/bin/python");
+        let program = repository.join("orchestrator/benches/whole_process/watcher.py");
+        let mut command = Command::new(&python);
+        let mut process = command
+            .arg(program)
+            .arg(endpoint)
+            .stdout(Stdio::piped())
+            .spawn()
+            .map_err(|error| format!("cannot start {}, which tests/run makes: {error}", python.display()))?;
+        let runs = process.stdout.take().ok_or("its standard output is a pipe")?;
+        Ok(Self { process, runs: BufReader::new(runs) })
+    }
+
+    /// Waits until it has seen a run that it did not know.
+    fn await_run(&mut self) -> Result<(), Box<dyn Error>> {
+        let read = self.runs.read_line(&mut String::new())?;
+        if read == 0 { Err("the one who watches is gone".into()) } else { Ok(()) }
+    }
+}
+
+impl Drop for Watcher {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
 }
 
 /// A chain in which every value changes in every step.

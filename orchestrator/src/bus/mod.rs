@@ -1,4 +1,4 @@
-//! The bus: instances in processes of their own, over zenoh. The only place that names it.
+//! The bus: instances in processes of their own, and whoever watches, over zenoh. The only place that names it.
 //!
 //! ```text
 //! lockstep run --isolate ── coordinator: step loop, claims, trace ── remote (a `Worker` like any other), one for each
@@ -17,6 +17,7 @@ mod isolated;
 mod link;
 mod opening;
 mod remote;
+pub mod watch;
 pub mod wire;
 mod worker_process;
 

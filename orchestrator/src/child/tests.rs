@@ -77,7 +77,19 @@ pub(crate) fn plan(ticks: u64, unit: &Unpacked) -> Plan {
     let (folder, board) = (PathBuf::new(), PathBuf::new());
     let (scenario, unit_of) = (scenario(ticks), vec![0, 0]);
     let (saves, from) = (Vec::new(), None);
-    Plan { scenario, units, unit_of, folder, board, fail_fast: true, record: true, pace: None, saves, from }
+    Plan {
+        scenario,
+        units,
+        unit_of,
+        folder,
+        board,
+        fail_fast: true,
+        record: true,
+        live: false,
+        pace: None,
+        saves,
+        from,
+    }
 }
 
 #[test]

@@ -1,5 +1,8 @@
 //! `lockstep run`: one run of a script.
 
+#[cfg(feature = "bus")]
+mod live;
+
 use super::exit_code;
 use crate::execution::{Manner, Outcome};
 use crate::preparation::{self, CheckpointWishes, Preparation, Refusal, Wanted, default_folder};
@@ -52,6 +55,9 @@ pub struct Run {
     /// Continues where --save-at saved a run of the same script, parameters and units
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,
+    #[cfg(feature = "bus")]
+    #[command(flatten)]
+    live: live::Live,
     /// Print verdict.json instead of the table
     #[arg(long)]
     json: bool,
@@ -103,6 +109,8 @@ impl Run {
         let catalogue = preparation::catalogue(&self.units, !self.no_build)?;
         let script = Script::read(&self.script, &self.set, &catalogue)
             .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", self.script.display()), None))?;
+        #[cfg(feature = "bus")]
+        let listening = self.live.listen()?;
         let out = self.out.clone().unwrap_or_else(|| default_folder(&self.script));
         let wanted = Wanted {
             out,
@@ -112,7 +120,10 @@ impl Run {
             checkpoints: CheckpointWishes { saves: self.saves()?, from: self.from.clone() },
             files: Vec::new(),
         };
-        preparation::prepare(script, wanted)
+        let ready = preparation::prepare(script, wanted)?;
+        #[cfg(feature = "bus")]
+        let ready = self.live.show(listening, ready)?;
+        Ok(ready)
     }
 
     /// The pairs of `--save-at`.

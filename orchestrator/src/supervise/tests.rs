@@ -5,7 +5,7 @@ use crate::failure::Doing;
 use crate::message::LogMessage;
 use crate::report::console::Style;
 use crate::trace::run_folder::{RunFolder, TRACE_CSV, TRACE_PARQUET};
-use crate::trace::run_record;
+use crate::trace::run_record::{self, RunState};
 use crate::trace::signals::tests::signal;
 use crate::trace::verdict::tests::{claim, scenario};
 use crate::unit::board::ClaimNote;
@@ -14,7 +14,7 @@ use fmi2::description::BaseType;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use std::fs::File;
 use std::os::unix::process::ExitStatusExt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitStatus;
 use tempfile::TempDir;
 
@@ -43,6 +43,7 @@ impl Run {
             fail_fast: false,
             pace: None,
             record: true,
+            live: false,
             saves: vec![],
             from: None,
         };
@@ -78,7 +79,7 @@ impl Run {
             step_timeout: None,
             placement: Placement::Together,
         };
-        let mut supervision = Supervision::new(&orders, &self.board, Some(trace), &mut console);
+        let mut supervision = Supervision::new(&orders, &self.board, Some(trace), None, &mut console);
         supervision.drain().unwrap();
         let ended = supervision.conclude(cause_of_death(ExitStatus::from_raw(status)), None).unwrap();
         (ended, String::from_utf8(console.into_inner()).unwrap())
@@ -103,6 +104,56 @@ fn rows_and_the_call_of_a_process_that_died_are_there() {
     assert_eq!(run.trace(), "time,quad.x\n0,0\n0.01,1\n0.02,2\n");
     let columns = File::open(run.home.path().join("run").join(TRACE_PARQUET)).unwrap();
     assert_eq!(SerializedFileReader::new(columns).unwrap().metadata().file_metadata().num_rows(), 3);
+}
+
+/// Keeps what it is told.
+#[derive(Debug, Default)]
+struct Seats {
+    begun: bool,
+    rows: Vec<(u64, u64)>,
+}
+
+impl Audience for Seats {
+    fn begin(&mut self, _: &Arc<Board>) {
+        self.begun = true;
+    }
+
+    fn row(&mut self, tick: u64, slots: &[u64]) {
+        self.rows.push((tick, slots[0]));
+    }
+
+    fn end(self: Box<Self>, _: RunState) {}
+}
+
+#[test]
+fn an_audience_is_told_every_row_also_where_none_is_written() {
+    let run = Run::new();
+    run.rows(3);
+    let (mut seats, mut console) = (Seats::default(), Console::new(Vec::new(), Style::Tenths));
+    let orders = Orders {
+        plan: &run.plan,
+        saving: &run.saving,
+        program: PathBuf::new(),
+        step_timeout: None,
+        placement: Placement::Together,
+    };
+    Supervision::new(&orders, &run.board, None, Some(&mut seats), &mut console).drain().unwrap();
+    assert_eq!(seats.rows, [0, 1, 2].map(|tick| (tick, (tick as f64).to_bits())));
+}
+
+#[test]
+fn an_audience_is_told_that_a_run_begins() {
+    let run = Run::new();
+    let mut seats = Seats::default();
+    let orders = Orders {
+        plan: &run.plan,
+        saving: &run.saving,
+        program: Path::new("/bin/true").to_owned(),
+        step_timeout: None,
+        placement: Placement::Together,
+    };
+    supervise(&orders, None, Some(&mut seats), &mut Console::new(Vec::new(), Style::Tenths)).unwrap();
+    assert!(seats.begun);
 }
 
 #[test]
@@ -150,7 +201,7 @@ fn a_death_is_kept_when_the_last_rows_cannot_be_written() {
         step_timeout: None,
         placement: Placement::Together,
     };
-    let supervision = Supervision::new(&orders, &run.board, None, &mut console);
+    let supervision = Supervision::new(&orders, &run.board, None, None, &mut console);
     let full = TraceError::io("write", Path::new("trace.csv"))(io::ErrorKind::StorageFull.into());
     let error = supervision.conclude(Cause::Signal(DIED_OF_SIGSEGV), Some(full)).unwrap_err();
     let SuperviseError::Broken { failure, .. } = &error else { panic!("{error:?}") };
@@ -189,7 +240,7 @@ fn a_program_that_ends_at_once_breaks_the_run() {
         placement: Placement::Together,
     };
     let mut console = Console::new(Vec::new(), Style::Tenths);
-    let ended = supervise(&orders, None, &mut console).unwrap();
+    let ended = supervise(&orders, None, None, &mut console).unwrap();
     assert_eq!(ended.failure.unwrap().to_string(), "the stepping process ended (exit code 0) between calls at 0 s");
 }
 
@@ -203,6 +254,6 @@ fn a_program_that_cannot_be_started_is_an_error() {
         step_timeout: None,
         placement: Placement::Together,
     };
-    let error = supervise(&orders, None, &mut Console::new(Vec::new(), Style::Tenths)).unwrap_err().to_string();
+    let error = supervise(&orders, None, None, &mut Console::new(Vec::new(), Style::Tenths)).unwrap_err().to_string();
     assert!(error.starts_with("cannot start the stepping process: "), "{error}");
 }

@@ -76,7 +76,7 @@ pub fn shortest_decimal(value: f64) -> String {
 }
 
 /// Values as the JSON files of a run write them: indented, a line break at the end.
-fn json_text(value: &impl serde::Serialize) -> String {
+pub(crate) fn json_text(value: &impl serde::Serialize) -> String {
     match serde_json::to_string_pretty(value) {
         Ok(text) => text + "\n",
         Err(error) => unreachable!("plain data with string keys always has a JSON text: {error}"),

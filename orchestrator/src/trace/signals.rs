@@ -63,10 +63,17 @@ pub fn of<'a>(scenario: &'a Scenario, description_of: impl Fn(usize) -> &'a Mode
         items: BTreeMap::new(),
         base_type: BaseType::Real,
     };
-    let of_columns = scenario.columns.iter().map(|column| {
+    std::iter::once(time).chain(of_columns(scenario, description_of)).collect()
+}
+
+/// What the columns of a scenario are, in their order.
+pub fn of_columns<'a>(
+    scenario: &'a Scenario,
+    description_of: impl Fn(usize) -> &'a ModelDescription,
+) -> impl Iterator<Item = Signal<'a>> {
+    scenario.columns.iter().map(move |column| {
         signal(column, &scenario.instances[column.port.instance].name, description_of(column.port.instance))
-    });
-    std::iter::once(time).chain(of_columns).collect()
+    })
 }
 
 /// The text of the file.
@@ -145,7 +152,8 @@ pub(crate) mod tests {
         }
     }
 
-    fn description() -> ModelDescription {
+    /// Of a unit with a `height` and a `method`.
+    pub(crate) fn description() -> ModelDescription {
         let attributes = RealAttributes { unit: Some("m".to_owned()), ..RealAttributes::default() };
         let mut height = variable("height", Kind::Real(RealVariable { attributes, ..RealVariable::default() }));
         height.description = Some("Height over ground".to_owned());

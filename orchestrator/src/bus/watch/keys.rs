@@ -1,0 +1,91 @@
+//! The keys of a run, and names of instances as chunks of them.
+
+use std::fmt::Write as _;
+use std::hash::{BuildHasher, Hasher, RandomState};
+
+/// The name of a run in keys: 16 random hex digits, for people and logs. It is no secret and stands in no result.
+#[must_use]
+pub fn run_name() -> String {
+    // Its keys come from the system's random source.
+    format!("{:016x}", RandomState::new().build_hasher().finish())
+}
+
+/// Where a run says how far it is.
+#[must_use]
+pub fn live(run: &str) -> String {
+    format!("lockstep/{run}/live")
+}
+
+/// Where a run puts the values of an instance.
+#[must_use]
+pub fn values(run: &str, instance: &str) -> String {
+    format!("lockstep/{run}/live/{}", chunk(instance))
+}
+
+/// Where a run answers what the values of an instance are.
+#[must_use]
+pub fn schema(run: &str, instance: &str) -> String {
+    format!("lockstep/{run}/schema/{}", chunk(instance))
+}
+
+/// A name as one chunk of a key: what a key cannot hold is percent-encoded, and no name is a lone `%`. So is an `@` at its
+/// beginning, which would hide the chunk from wildcards.
+fn chunk(name: &str) -> String {
+    if name.is_empty() {
+        return "%".to_owned();
+    }
+    let mut chunk = String::with_capacity(name.len());
+    for (at, letter) in name.char_indices() {
+        if matches!(letter, '%' | '*' | '$' | '?' | '#' | '/') || (at == 0 && letter == '@') {
+            let _ = write!(chunk, "%{:02X}", u32::from(letter));
+        } else {
+            chunk.push(letter);
+        }
+    }
+    chunk
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zenoh::key_expr::KeyExpr;
+
+    fn decoded(chunk: &str) -> String {
+        if chunk == "%" {
+            return String::new();
+        }
+        let mut parts = chunk.split('%');
+        let mut name = parts.next().unwrap_or_default().to_owned();
+        for part in parts {
+            let (digits, rest) = part.split_at(2);
+            name.push(char::from(u8::from_str_radix(digits, 16).unwrap()));
+            name.push_str(rest);
+        }
+        name
+    }
+
+    #[test]
+    fn names_of_scripts_go_into_keys_as_they_are() {
+        for name in ["quad", "wing[1].body", "plant.'der(x)'"] {
+            assert_eq!(values("0f", name), format!("lockstep/0f/live/{name}"));
+        }
+        assert_eq!(schema("0f", "a/b*?"), "lockstep/0f/schema/a%2Fb%2A%3F");
+    }
+
+    #[test]
+    fn two_runs_have_different_names_of_16_hex_digits() {
+        let names = [run_name(), run_name()];
+        assert_ne!(names[0], names[1]);
+        assert!(names.iter().all(|name| name.len() == 16 && u64::from_str_radix(name, 16).is_ok()), "{names:?}");
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn every_name_decodes_back_and_is_one_chunk_that_wildcards_find(name in "[@*$?#/%a-c\\PC]{0,8}") {
+            assert_eq!(decoded(&chunk(&name)), name);
+            let key = KeyExpr::try_from(values("0f", &name)).unwrap();
+            assert!(KeyExpr::try_from("lockstep/*/live/*").unwrap().includes(&key), "{key}");
+            assert!(!key.is_wild(), "{key}");
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! The session that those who watch connect to: it listens and speaks, and hears nothing but who watches.
+
+use std::fmt;
+use std::net::SocketAddr;
+use zenoh::config::Config;
+use zenoh::{Session, Wait};
+
+/// Where a run listens unless it is told: any free port, for this machine only.
+pub const ANY_LOCAL_PORT: &str = "tcp/127.0.0.1:0";
+
+/// No scouting, and no port but the one asked for. Whoever comes may subscribe and ask; what they put, or say of
+/// themselves, is not let in, so that it reaches neither the run nor others who watch. A subscription is admitted or
+/// denied as a whole, hence `**`: what goes out is `lockstep/**` all the same.
+const SETTINGS: &str = r#"{
+    mode: "peer",
+    connect: { endpoints: [] },
+    listen: { endpoints: [ENDPOINT], timeout_ms: 0, exit_on_failure: true },
+    scouting: { multicast: { enabled: false }, gossip: { enabled: false } },
+    timestamping: { enabled: false },
+    access_control: {
+        enabled: true,
+        default_permission: "deny",
+        rules: [
+            { id: "in", permission: "allow", flows: ["ingress"], key_exprs: ["**"],
+              messages: ["declare_subscriber", "query", "liveliness_query"] },
+            { id: "out", permission: "allow", flows: ["egress"], key_exprs: ["lockstep/**"],
+              messages: ["put", "reply", "declare_queryable"] },
+        ],
+        subjects: [{ id: "anyone" }],
+        policies: [{ rules: ["in", "out"], subjects: ["anyone"] }],
+    },
+}"#;
+
+/// Why nobody can watch at an endpoint.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ListenError {
+    /// The endpoint as the user named it.
+    pub endpoint: String,
+    /// What the system or the library said.
+    pub cause: String,
+}
+
+impl ListenError {
+    pub(super) fn new(endpoint: &str, error: &zenoh::Error) -> Self {
+        Self { endpoint: endpoint.to_owned(), cause: without_source_places(&error.to_string()) }
+    }
+
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> &'static str {
+        "an endpoint is tcp/ADDRESS:PORT or unixsock-stream/PATH; --live alone takes a free port of this machine"
+    }
+}
+
+impl fmt::Display for ListenError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "cannot listen at {} for those who watch: {}", self.endpoint, self.cause)
+    }
+}
+
+impl std::error::Error for ListenError {}
+
+/// A session that listens.
+#[derive(Debug)]
+pub struct Listening {
+    pub(super) session: Session,
+    endpoint: String,
+    addresses: Vec<String>,
+}
+
+impl Listening {
+    /// Listens at an endpoint.
+    ///
+    /// # Errors
+    /// It is none, or it is taken or forbidden.
+    pub fn at(endpoint: &str) -> Result<Self, ListenError> {
+        let refused = |error| ListenError::new(endpoint, &error);
+        let quoted = serde_json::Value::from(endpoint).to_string();
+        let settings = Config::from_json5(&SETTINGS.replace("ENDPOINT", &quoted)).map_err(refused)?;
+        let session = zenoh::open(settings).wait().map_err(refused)?;
+        let locators = session.info().locators().wait();
+        let mut addresses: Vec<_> = locators.iter().map(ToString::to_string).collect();
+        if addresses.is_empty() {
+            addresses.push(endpoint.to_owned());
+        }
+        Ok(Self { session, endpoint: endpoint.to_owned(), addresses })
+    }
+
+    /// The endpoint as the user named it.
+    #[must_use]
+    pub fn endpoint(&self) -> &str {
+        &self.endpoint
+    }
+
+    /// The addresses that reach it.
+    #[must_use]
+    pub fn addresses(&self) -> &[String] {
+        &self.addresses
+    }
+
+    /// Whether it can be reached from other machines.
+    #[must_use]
+    pub fn is_open_to_others(&self) -> bool {
+        !self.addresses.iter().all(|address| is_of_this_machine(address))
+    }
+}
+
+fn is_of_this_machine(address: &str) -> bool {
+    match address.split_once('/') {
+        Some(("unixsock-stream", _)) => true,
+        Some((_, place)) => place.parse().is_ok_and(|place: SocketAddr| place.ip().is_loopback()),
+        None => false,
+    }
+}
+
+/// What the library says, without the places in its source that stand at the end of each of its errors.
+fn without_source_places(text: &str) -> String {
+    let mut parts = text.split(" at ");
+    let mut kept = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let place = part.split_once(".rs:").filter(|(path, _)| !path.contains(' '));
+        let rest = place.and_then(|(_, rest)| rest.trim_start_matches(|c: char| c.is_ascii_digit()).strip_prefix('.'));
+        match rest {
+            Some(rest) => kept.push_str(rest),
+            None => {
+                kept.push_str(" at ");
+                kept.push_str(part);
+            }
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_endpoint_that_cannot_be_listened_at_is_told_without_places_in_source() {
+        let taken = Listening::at(ANY_LOCAL_PORT).unwrap();
+        let endpoints = [taken.addresses()[0].as_str(), "tcp/127.0.0.1", "nonsense", "tls/127.0.0.1:0"];
+        for endpoint in endpoints {
+            let error = Listening::at(endpoint).unwrap_err();
+            let told = error.to_string();
+            assert!(told.starts_with(&format!("cannot listen at {endpoint} for those who watch: ")), "{told}");
+            assert!(!told.contains(".rs") && told.len() > 50, "{told}");
+        }
+    }
+
+    #[test]
+    fn a_place_in_source_goes_and_any_other_at_stays() {
+        let text = "Cannot listen at [a at /x/y/tcp.rs:61.] at /x/y/unicast.rs:338. - Caused by b at /x/z.rs:1.";
+        assert_eq!(without_source_places(text), "Cannot listen at [a] - Caused by b");
+        assert_eq!(without_source_places("look at this .rs:1. file"), "look at this .rs:1. file");
+    }
+
+    #[test]
+    fn a_free_port_is_named_and_of_this_machine_only() {
+        let listening = Listening::at(ANY_LOCAL_PORT).unwrap();
+        let [address] = listening.addresses() else { panic!("{:?}", listening.addresses()) };
+        assert!(address.starts_with("tcp/127.0.0.1:") && address != ANY_LOCAL_PORT, "{address}");
+        assert!(!listening.is_open_to_others());
+    }
+
+    #[test]
+    fn only_loopback_and_sockets_in_files_are_of_this_machine() {
+        for address in ["tcp/127.0.0.1:7447", "tcp/[::1]:7447", "unixsock-stream//tmp/a.sock"] {
+            assert!(is_of_this_machine(address), "{address}");
+        }
+        for address in ["tcp/0.0.0.0:7447", "tcp/[::]:7447", "tcp/192.168.1.2:7447", "tcp/host.example:7447"] {
+            assert!(!is_of_this_machine(address), "{address}");
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! A run that is watched from its own session, without a network.
+
+use super::*;
+use crate::plan::PlannedUnit;
+use crate::trace::signals::tests::description;
+use crate::trace::verdict::tests::scenario;
+use crate::unit::board::BoardLayout;
+use dsl::scenario::{Column, Port};
+use serde_json::Value;
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use zenoh::sample::Sample;
+use zenoh::{Session, Wait};
+
+/// A run of `quad.height` and `quad.method`.
+fn plan() -> Plan {
+    let mut scenario = scenario();
+    for (name, variable) in [("quad.height", 0), ("quad.method", 1)] {
+        scenario.columns.push(Column { name: name.to_owned(), port: Port { instance: 0, variable } });
+    }
+    let (name, description, sha256) = ("quadcopter".to_owned(), description(), String::new());
+    let unit = PlannedUnit { name, folder: PathBuf::new(), description, sha256 };
+    Plan {
+        scenario,
+        units: vec![unit],
+        unit_of: vec![0],
+        folder: PathBuf::new(),
+        board: PathBuf::new(),
+        fail_fast: false,
+        record: false,
+        live: true,
+        pace: None,
+        saves: Vec::new(),
+        from: None,
+    }
+}
+
+/// A run that has begun, and the session that shows it.
+fn begun(rate: Rate) -> (Box<Watch>, Session, Arc<Board>) {
+    let listening = Listening::at(ANY_LOCAL_PORT).unwrap();
+    let session = listening.session.clone();
+    let mut watch = Box::new(Watch::new(listening, &plan(), rate).unwrap());
+    let board = Arc::new(Board::private(&BoardLayout { notes: 1, columns: 2, claims: 0 }).unwrap());
+    watch.begin(&board);
+    (watch, session, board)
+}
+
+/// Flies 100 ticks to the end; what was seen, each with the end of its key.
+fn seen(rate: Rate) -> Vec<(String, Value)> {
+    let (mut watch, session, board) = begun(rate);
+    let (see, seen) = mpsc::channel();
+    let callback = move |sample: Sample| {
+        assert_eq!(*sample.encoding(), zenoh::bytes::Encoding::APPLICATION_JSON);
+        let place = sample.key_expr().rsplit('/').next().unwrap_or_default().to_owned();
+        see.send((place, serde_json::from_slice(&sample.payload().to_bytes()).unwrap())).unwrap();
+    };
+    session.declare_subscriber("lockstep/*/live/**").callback(callback).background().wait().unwrap();
+    while watch.shared.watched.load(Ordering::Relaxed) < 2 {
+        thread::yield_now();
+    }
+    for tick in 0..100 {
+        board.set_tick(tick);
+        watch.row(tick, &[(tick as f64).to_bits(), 2]);
+    }
+    watch.end(RunState::Finished);
+    seen.try_iter().collect()
+}
+
+fn ticks_of_values(seen: &[(String, Value)]) -> Vec<u64> {
+    let values = seen.iter().filter(|(place, _)| place == "quad");
+    values.map(|(_, message)| message["tick"].as_u64().unwrap()).collect()
+}
+
+#[test]
+fn of_a_sample_the_last_row_is_seen_and_then_the_end() {
+    let seen = seen(Rate::Sample);
+    let ticks = ticks_of_values(&seen);
+    assert!(ticks.is_sorted_by(|one, next| one < next) && ticks.last() == Some(&99), "{ticks:?}");
+    let [.., (values, last_row), (live, end)] = &seen[..] else { panic!("{seen:?}") };
+    assert_eq!((values.as_str(), live.as_str()), ("quad", "live"));
+    assert_eq!(last_row["values"], serde_json::json!({ "height": 99.0, "method": 2 }));
+    assert_eq!((&end["state"], &end["tick"]), (&Value::from("finished"), &Value::from(99)));
+}
+
+#[test]
+fn every_row_is_seen_in_order_where_all_are_wanted() {
+    assert_eq!(ticks_of_values(&seen(Rate::EveryTick)), (0..100).collect::<Vec<_>>());
+}
+
+#[test]
+fn nothing_is_copied_while_nobody_watches() {
+    let (mut watch, _session, _board) = begun(Rate::EveryTick);
+    watch.row(0, &[0, 0]);
+    let mut words = VecDeque::new();
+    watch.shared.rows().exchange(&mut words);
+    assert_eq!(words, Vec::<u64>::new());
+}
+
+#[test]
+fn who_asks_is_told_what_the_values_are() {
+    let (watch, session, _board) = begun(Rate::Sample);
+    let replies = session.get(format!("lockstep/{}/schema/*", watch.run())).wait().unwrap();
+    let reply = replies.recv().unwrap();
+    let schema: Value = serde_json::from_slice(&reply.result().unwrap().payload().to_bytes()).unwrap();
+    assert_eq!((&schema[0]["variable"], &schema[0]["unit"]), (&Value::from("height"), &Value::from("m")));
+    assert_eq!((&schema[1]["variable"], &schema[1]["type"]), (&Value::from("method"), &Value::from("Enumeration")));
+}

@@ -1,0 +1,66 @@
+//! `lockstep run --live`: where and how a run lets others watch.
+
+use crate::bus::watch::{ANY_LOCAL_PORT, ListenError, Listening, Rate, Watch};
+use crate::preparation::{Preparation, Refusal};
+use crate::report::status;
+
+/// What a run is told about those who watch.
+#[derive(Debug, clap::Args)]
+pub(super) struct Live {
+    /// Lets others watch: shows recorded signals 50 times a second [default endpoint: a free port of this machine]
+    #[arg(long, value_name = "ENDPOINT", num_args = 0..=1, require_equals = true, default_missing_value = ANY_LOCAL_PORT)]
+    live: Option<String>,
+    /// As --live, but shows every tick; rows that come too fast are left out, and counted
+    #[arg(long)]
+    live_every_tick: bool,
+}
+
+impl Live {
+    /// Listens where the command line says, if it does.
+    pub fn listen(&self) -> Result<Option<Listening>, Refusal> {
+        let unnamed = self.live_every_tick.then_some(ANY_LOCAL_PORT);
+        let Some(endpoint) = self.live.as_deref().or(unnamed) else { return Ok(None) };
+        let listening = Listening::at(endpoint).map_err(|error| refusal(&error))?;
+        if listening.is_open_to_others() {
+            status(&format!(
+                "warning: {} is open to other machines: anybody who reaches it can watch this run",
+                listening.addresses().join(", ")
+            ));
+        }
+        Ok(Some(listening))
+    }
+
+    /// Makes a run one that can be watched, and tells how.
+    pub fn show(&self, listening: Option<Listening>, ready: Preparation) -> Result<Preparation, Refusal> {
+        let Some(listening) = listening else { return Ok(ready) };
+        let rate = if self.live_every_tick { Rate::EveryTick } else { Rate::Sample };
+        let addresses = listening.addresses().to_vec();
+        let watch = Watch::new(listening, &ready.plan, rate).map_err(|error| refusal(&error))?;
+        status(&told(watch.run(), &addresses));
+        let mut ready = Preparation { audience: Some(Box::new(watch)), ..ready };
+        ready.plan.live = true;
+        Ok(ready)
+    }
+}
+
+fn refusal(error: &ListenError) -> Refusal {
+    Refusal::new(error, Some(error.help()))
+}
+
+/// The name and addresses of a run, and a line that shows it to whoever pastes it.
+fn told(run: &str, addresses: &[String]) -> String {
+    let first = addresses.first().map_or(ANY_LOCAL_PORT, String::as_str);
+    let settings = format!(r#"{{mode: \"client\", connect: {{endpoints: [\"{first}\"]}}}}"#);
+    let connect = format!(r#"s = zenoh.open(zenoh.Config.from_json5("{settings}"))"#);
+    let watch = format!(r#"w = s.declare_subscriber("lockstep/{run}/**")"#);
+    let print = "[print(v.key_expr, v.payload.to_string()) for v in w]";
+    format!(
+        "live: run {run} at {}\nhelp: watch it with python3 -c 'import zenoh; {connect}; {watch}; {print}'",
+        addresses.join(", ")
+    )
+}
+
+#[test]
+fn the_console_tells_name_and_addresses_and_a_line_to_paste() {
+    insta::assert_snapshot!(told("0123456789abcdef", &["tcp/127.0.0.1:41234".to_owned()]));
+}

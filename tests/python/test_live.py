@@ -1,0 +1,309 @@
+"""What somebody sees who watches a run over zenoh, and that it makes no difference to the run."""
+
+import contextlib
+import csv
+import json
+import os
+import re
+import signal
+import struct
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from conftest import PACKED, PROGRAM, ROOT
+
+PATIENCE_S = 60
+SCRIPT = ROOT / "scenarios/first_flight.scn"
+INSTANCES = ("path", "air", "ctrl", "quad")
+
+
+class Flight:
+    """A run that goes on and can be watched."""
+
+    def __init__(self, out, *arguments):
+        self.out = out
+        command = [PROGRAM, "run", SCRIPT, "--units", PACKED, "--out", out, *arguments]
+        self.process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.said = ""
+        while not (told := re.search(r"^live: run (\w+) at (\S+)\nhelp: watch it with (.*)\n", self.said, re.MULTILINE)):
+            line = self.process.stderr.readline()
+            assert line, self.said
+            self.said += line
+        self.run, self.address, self.hint = told.groups()
+
+    def end(self):
+        """Waits for the end; what was said on standard error."""
+        _, rest = self.process.communicate(timeout=PATIENCE_S)
+        self.said += rest
+        return self.said
+
+    def interrupt(self):
+        """Ends it after the step that it is in; what was said on standard error."""
+        self.process.send_signal(signal.SIGINT)
+        return self.end()
+
+    def rows(self):
+        """The trace's rows by tick."""
+        with open(self.out / "trace.csv", newline="") as file:
+            return dict(enumerate(csv.DictReader(file)))
+
+
+class Watcher:
+    """A client that keeps what it sees, as (key, encoding, message)."""
+
+    def __init__(self, address, keys="lockstep/**"):
+        settings = {"mode": "client", "connect": {"endpoints": [address]}}
+        self.session = zenoh.open(zenoh.Config.from_json5(json.dumps(settings)))
+        self.seen = []
+        self.session.declare_subscriber(keys, self.see)
+
+    def see(self, sample):
+        self.seen.append((str(sample.key_expr), str(sample.encoding), json.loads(sample.payload.to_string())))
+
+    def values(self, instance):
+        return [message for key, _, message in self.seen if key.endswith(f"/live/{instance}")]
+
+    def states(self):
+        return [message for key, _, message in self.seen if key.endswith("/live")]
+
+    def await_end(self):
+        until(lambda: self.states() and self.states()[-1]["state"] != "running")
+
+
+@pytest.fixture
+def launch(tmp_path):
+    """Starts runs that can be watched; whatever still goes on at the end is killed."""
+    flights = []
+
+    def start(*arguments, name="run"):
+        flights.append(Flight(tmp_path / name, *arguments))
+        return flights[-1]
+
+    yield start
+    for flight in flights:
+        flight.process.kill()
+
+
+@pytest.fixture
+def watch():
+    """Clients that are closed at the end."""
+    with contextlib.ExitStack() as stack:
+
+        def start(*arguments):
+            watcher = Watcher(*arguments)
+            stack.enter_context(watcher.session)
+            return watcher
+
+        yield start
+
+
+def until(condition):
+    end = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def bits(number):
+    return struct.pack("<d", float(number))
+
+
+def assert_as_in_trace(messages, instance, rows):
+    """Every value of every message is that of the trace at its tick, bit for bit."""
+    for message in messages:
+        row = rows[message["tick"]]
+        assert bits(message["time"]) == bits(row["time"])
+        columns = {name for name in row if name.startswith(f"{instance}.")}
+        assert {f"{instance}.{variable}" for variable in message["values"]} == columns
+        for variable, value in message["values"].items():
+            assert bits(value) == bits(row[f"{instance}.{variable}"]), (message["tick"], variable)
+
+
+def test_a_sample_of_the_rows_is_seen_bit_for_bit_and_the_last_row_always(launch, watch):
+    flight = launch("--live", "--pace", "1")
+    watcher = watch(flight.address)
+    until(lambda: len(watcher.values("quad")) >= 30)
+    flight.interrupt()
+    watcher.await_end()
+    assert {key.split("/")[1] for key, _, _ in watcher.seen} == {flight.run}
+    assert {message["run"] for _, _, message in watcher.seen} == {flight.run}
+    assert {encoding for _, encoding, _ in watcher.seen} == {"application/json"}
+    rows = flight.rows()
+    wall_s = json.loads((flight.out / "run.json").read_text())["wall_s"]
+    for instance in INSTANCES:
+        seen = watcher.values(instance)
+        assert_as_in_trace(seen, instance, rows)
+        ticks = [message["tick"] for message in seen]
+        assert ticks == sorted(set(ticks)) and ticks[-1] == max(rows)
+        assert len(ticks) < len(rows) and len(ticks) <= 50 * wall_s + 2
+
+
+def test_the_schema_tells_what_the_values_are(launch, watch):
+    flight = launch("--live", "--pace", "1")
+    watcher = watch(flight.address)
+    replies = [reply.ok for reply in watcher.session.get("lockstep/*/schema/*")]
+    schemas = {str(reply.key_expr).split("/")[-1]: json.loads(reply.payload.to_string()) for reply in replies}
+    assert {str(reply.encoding) for reply in replies} == {"application/json"}
+    until(lambda: all(map(watcher.values, INSTANCES)))
+    flight.interrupt()
+    signals = json.loads((flight.out / "signals.json").read_text())
+    assert set(schemas) == set(INSTANCES)
+    kinds = {"Real": float, "Boolean": bool, "Integer": int, "Enumeration": int}
+    for instance, schema in schemas.items():
+        assert schema == [entry for entry in signals if entry["instance"] == instance]
+        for message in watcher.values(instance):
+            assert list(message["values"]) == [entry["variable"] for entry in schema]
+            for entry in schema:
+                assert type(message["values"][entry["variable"]]) is kinds[entry["type"]]
+
+
+def test_a_run_is_found_and_tells_how_its_claims_stand_until_it_is_over(launch, watch):
+    flight = launch("--live", "--pace", "20")
+    watcher = watch(flight.address, "lockstep/*/live")
+    flight.end()
+    watcher.await_end()
+    first, *_, last = watcher.states()
+    assert first["state"] == "running" and {claim["verdict"] for claim in first["claims"]} == {None}
+    assert (last["run"], last["state"], last["tick"], last["time"]) == (flight.run, "finished", 16800, 84.0)
+    told = json.loads((flight.out / "verdict.json").read_text())["claims"]
+    keys = ("name", "verdict", "margin", "unit")
+    assert last["claims"] == [{key: claim[key] for key in keys} for claim in told]
+
+
+def test_a_run_that_breaks_says_so(launch, watch):
+    flight = launch("--live", "--pace", "1")
+    watcher = watch(flight.address)
+    until(watcher.states)
+    number = flight.process.pid
+    children = [(task / "children").read_text().split() for task in Path(f"/proc/{number}/task").iterdir()]
+    os.kill(int(sum(children, [])[0]), signal.SIGKILL)
+    assert "SIGKILL" in flight.end()
+    watcher.await_end()
+    assert watcher.states()[-1]["state"] == "broken"
+
+
+def test_every_tick_is_seen_where_it_is_asked_for(launch, watch):
+    flight = launch("--live-every-tick", "--pace", "1")
+    watcher = watch(flight.address)
+    until(lambda: len(watcher.values("quad")) >= 300)
+    assert "--pace slows" not in flight.interrupt()
+    watcher.await_end()
+    rows = flight.rows()
+    for instance in INSTANCES:
+        seen = watcher.values(instance)
+        assert_as_in_trace(seen, instance, rows)
+        ticks = [message["tick"] for message in seen]
+        assert ticks == list(range(ticks[0], max(rows) + 1))
+
+
+def test_rows_are_seen_of_a_run_that_records_nothing(launch, watch):
+    recorded = launch("--live", name="recorded")
+    recorded.end()
+    flight = launch("--live", "--pace", "1", "--record", "none")
+    watcher = watch(flight.address)
+    until(lambda: len(watcher.values("quad")) >= 10)
+    flight.interrupt()
+    watcher.await_end()
+    assert not (flight.out / "trace.csv").exists()
+    assert_as_in_trace(watcher.values("quad"), "quad", recorded.rows())
+
+
+def test_what_a_watcher_puts_reaches_neither_another_nor_the_run(launch, watch):
+    calm = launch("--live", name="calm")
+    calm.end()
+    flight = launch("--live", "--pace", "20")
+    watcher, other = watch(flight.address), watch(flight.address)
+    until(lambda: watcher.values("quad") and other.values("quad"))
+    lie = json.dumps({"run": "a lie", "tick": 1, "state": "broken"})
+    for key in (f"lockstep/{flight.run}/live/quad", f"lockstep/{flight.run}/live", f"lockstep/{flight.run}/do"):
+        other.session.put(key, lie, encoding="application/json")
+    flight.end()
+    watcher.await_end()
+    # A client's own subscriber hears it: it was put.
+    assert "a lie" in {message["run"] for _, _, message in other.seen}
+    assert "a lie" not in {message["run"] for _, _, message in watcher.seen}
+    assert watcher.states()[-1]["state"] == "finished"
+    for file in ("trace.csv", "signals.json", "verdict.json"):
+        assert (flight.out / file).read_bytes() == (calm.out / file).read_bytes()
+
+
+STOPPED = """
+import json, sys, time, zenoh
+settings = {"mode": "client", "connect": {"endpoints": [sys.argv[1]]}}
+session = zenoh.open(zenoh.Config.from_json5(json.dumps(settings)))
+session.declare_subscriber("**", lambda sample: print("seen", flush=True))
+time.sleep(600)
+"""
+
+
+def test_thirty_watchers_and_a_stopped_one_change_no_byte_and_hold_up_nothing(launch, watch):
+    alone = launch("--live", name="alone")
+    alone.end()
+    watched = launch("--live-every-tick", "--pace", "20", name="watched")
+    watchers = [watch(watched.address) for _ in range(30)]
+    stopped = subprocess.Popen([sys.executable, "-c", STOPPED, watched.address], stdout=subprocess.PIPE, text=True)
+    try:
+        assert stopped.stdout.readline() == "seen\n"
+        stopped.send_signal(signal.SIGSTOP)
+        watched.end()
+    finally:
+        stopped.kill()
+    assert watched.process.returncode == 0
+    # At 20 times real time 84 s take 4.2 s; putting that waited for the stopped one would take 5 s more each time.
+    assert json.loads((watched.out / "run.json").read_text())["wall_s"] < 4.2 + 5
+    for file in ("trace.csv", "signals.json", "verdict.json"):
+        assert (watched.out / file).read_bytes() == (alone.out / file).read_bytes()
+    assert all(watcher.values("quad") for watcher in watchers)
+
+
+def test_the_name_of_a_run_stands_in_none_of_its_results(launch):
+    flight = launch("--live")
+    flight.end()
+    texts = [path.read_text() for path in flight.out.iterdir()]
+    assert len(texts) == 4 and not any(flight.run in text for text in texts)
+
+
+def test_the_example_of_the_page_prints_positions_of_the_trace(launch, tmp_path):
+    page = (ROOT / "docs/watching.md").read_text()
+    example = tmp_path / "position.py"
+    example.write_text(page.split("```python\n")[1].split("```")[0])
+    flight = launch("--live", "--pace", "1")
+    with subprocess.Popen([sys.executable, example, flight.address], stdout=subprocess.PIPE, text=True) as watching:
+        lines = [watching.stdout.readline() for _ in range(3)]
+        flight.interrupt()
+        lines += watching.communicate(timeout=PATIENCE_S)[0].splitlines()
+    assert watching.returncode == 0
+    rows = {bits(row["time"]): row for row in flight.rows().values()}
+    for line in lines:
+        time_s, *position = re.fullmatch(r"(\S+) s: (\S+) (\S+) (\S+) m\n?", line).groups()
+        row = rows[bits(time_s)]
+        assert list(map(bits, position)) == [bits(row[f"quad.state.position.{axis}"]) for axis in "xyz"]
+    assert row is list(rows.values())[-1]
+
+
+def test_the_line_to_paste_shows_the_run(launch):
+    flight = launch("--live", "--pace", "1")
+    programs = f"{os.path.dirname(sys.executable)}:{os.environ['PATH']}"
+    environment = {**os.environ, "PATH": programs, "PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(["sh", "-c", f"exec {flight.hint}"], env=environment, stdout=subprocess.PIPE, text=True) as pasted:
+        printed = pasted.stdout.readline()
+        pasted.kill()
+    assert re.match(rf'lockstep/{flight.run}/live(/\w+)? {{"run":"{flight.run}","tick":\d+', printed), printed
+
+
+def test_an_endpoint_that_is_taken_is_an_error_before_the_run(launch, fly):
+    flight = launch("--live", "--pace", "1")
+    refused, folder = fly("scenarios/breeze.scn", f"--live={flight.address}", name="refused")
+    assert refused.returncode == 2 and not folder.exists()
+    error = rf"error: cannot listen at {flight.address} for those who watch: .*in use \(os error \d+\).*\nhelp: .*\n"
+    assert re.fullmatch(error, refused.stderr) and ".rs" not in refused.stderr, refused.stderr
+
+
+def test_an_endpoint_of_all_machines_is_warned_of(launch):
+    flight = launch("--live=tcp/0.0.0.0:0")
+    assert "is open to other machines: anybody who reaches it can watch this run" in flight.end()
