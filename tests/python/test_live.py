@@ -264,8 +264,8 @@ def test_thirty_watchers_and_a_stopped_one_change_no_byte_and_hold_up_nothing(la
 def test_the_name_of_a_run_stands_in_none_of_its_results(launch):
     flight = launch("--live")
     flight.end()
-    texts = [path.read_text() for path in flight.out.iterdir()]
-    assert len(texts) == 4 and not any(flight.run in text for text in texts)
+    contents = [path.read_bytes() for path in flight.out.iterdir()]
+    assert len(contents) == 5 and not any(flight.run.encode() in content for content in contents)
 
 
 def test_the_example_of_the_page_prints_positions_of_the_trace(launch, tmp_path):

@@ -50,6 +50,21 @@ fn the_first_unit_and_script_in_five_minutes_work_outside_the_repository() {
 }
 
 #[test]
+fn what_the_readme_says_of_isolated_and_continued_runs_is_what_comes() {
+    let lines = [block("A process for each instance", "sh"), block("Saving and continuing", "sh")].concat();
+    let said: Vec<_> = lines.lines().map(|line| typed(line, &repository())).collect();
+    for (line, said) in lines.lines().zip(&said) {
+        assert_eq!(said.code, Some(0), "{line}\n{}{}", said.out, said.err);
+    }
+    let promised = lines.lines().find_map(|line| line.split_once("# ")).unwrap().1;
+    assert_eq!(said[2].out.trim(), promised);
+    let [whole, continued] = ["first_flight", "continued"]
+        .map(|run| fs::read_to_string(repository().join("runs").join(run).join("trace.csv")).unwrap());
+    let behind = continued.split_once('\n').unwrap().1;
+    assert!(behind.lines().count() == 8800 && whole.ends_with(behind));
+}
+
+#[test]
 fn no_line_of_the_readme_waits_for_its_text() {
     let readme = fs::read_to_string(repository().join("README.md")).unwrap();
     let waits = |line: &&str| line.len() > 2 && line.chars().all(|letter| letter.is_ascii_uppercase());

@@ -2,6 +2,7 @@
 
 use super::fleet::Fleet;
 use super::remote::{Remote, Way};
+use super::run_name::run_name;
 use super::worker_process::Address;
 use crate::failure::Failure;
 use crate::plan::Plan;
@@ -9,8 +10,6 @@ use crate::unit::board::{Board, BoardLayout};
 use crate::unit::logger::LogSink;
 use crate::wiring::Wiring;
 use crate::worker::{Leaving, Worker};
-use std::collections::hash_map::RandomState;
-use std::hash::{BuildHasher, Hasher};
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -90,9 +89,4 @@ impl Crew {
         }
         Ok(remotes.into_iter().map(|remote| Box::new(remote) as Box<dyn Worker>).collect())
     }
-}
-
-/// A name that no other run has: for keys, no secret, and in no result.
-fn run_name() -> String {
-    format!("{:016x}", RandomState::new().build_hasher().finish())
 }

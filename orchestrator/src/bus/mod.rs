@@ -17,6 +17,7 @@ mod isolated;
 mod link;
 mod opening;
 mod remote;
+mod run_name;
 pub mod watch;
 pub mod wire;
 mod worker_process;

@@ -17,6 +17,7 @@ mod tests;
 
 pub use session::{ANY_LOCAL_PORT, ListenError, Listening};
 
+use super::run_name::run_name;
 use crate::plan::Plan;
 use crate::report::status;
 use crate::supervise::Audience;
@@ -110,7 +111,7 @@ impl Watch {
         let columns = plan.scenario.columns.len();
         let rows = Mutex::new(Rows::new(columns, rate.room(columns)));
         let shared = Arc::new(Shared { rows, watched: AtomicUsize::new(0), board: OnceLock::new() });
-        let run = keys::run_name();
+        let run = run_name();
         let publisher = Publisher::new(&listening, Arc::clone(&shared), rate, run.clone(), plan)
             .map_err(|error| ListenError::new(listening.endpoint(), &error))?;
         let (ending, end) = mpsc::channel();

@@ -1,14 +1,6 @@
 //! The keys of a run, and names of instances as chunks of them.
 
 use std::fmt::Write as _;
-use std::hash::{BuildHasher, Hasher, RandomState};
-
-/// The name of a run in keys: 16 random hex digits, for people and logs. It is no secret and stands in no result.
-#[must_use]
-pub fn run_name() -> String {
-    // Its keys come from the system's random source.
-    format!("{:016x}", RandomState::new().build_hasher().finish())
-}
 
 /// Where a run says how far it is.
 #[must_use]
@@ -70,13 +62,6 @@ mod tests {
             assert_eq!(values("0f", name), format!("lockstep/0f/live/{name}"));
         }
         assert_eq!(schema("0f", "a/b*?"), "lockstep/0f/schema/a%2Fb%2A%3F");
-    }
-
-    #[test]
-    fn two_runs_have_different_names_of_16_hex_digits() {
-        let names = [run_name(), run_name()];
-        assert_ne!(names[0], names[1]);
-        assert!(names.iter().all(|name| name.len() == 16 && u64::from_str_radix(name, 16).is_ok()), "{names:?}");
     }
 
     proptest::proptest! {
