@@ -9,9 +9,11 @@ use serde::{Deserialize, Serialize};
 pub enum Message {
     /// A unit's own log message, printf arguments already in place.
     Log(LogMessage),
+    /// What the log of an instance's calls goes on with.
+    Calls(CallPiece),
     /// The run ended by itself; nothing follows.
     Finished(Finish),
-    /// The run broke; nothing follows but words of units that are freed.
+    /// The run broke; nothing follows but words and calls of units that are freed.
     Broken(Failure),
 }
 
@@ -28,6 +30,15 @@ pub struct LogMessage {
     pub category: String,
     /// The text.
     pub text: String,
+}
+
+/// A piece of the log of an instance's calls.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CallPiece {
+    /// Index of the instance.
+    pub instance: usize,
+    /// The next bytes of the file.
+    pub bytes: Vec<u8>,
 }
 
 /// How a run ended.

@@ -26,6 +26,8 @@ pub struct Plan {
     pub record: bool,
     /// Simulated seconds for each second of the wall clock (`--pace`); `None` for as fast as it goes.
     pub pace: Option<f64>,
+    /// The instances whose calls are logged (`--log-fmi-calls`).
+    pub log_calls: Vec<usize>,
 }
 
 /// A unit, unpacked by the parent.

@@ -7,6 +7,7 @@ use crate::script::Script;
 use crate::trace::run_folder::RunFolder;
 use crate::trace::run_record::{HashedFile, Host, RunRecord, RunState, now, sha256};
 use crate::unit::archive::unpack;
+use dsl::nearest::nearest;
 use dsl::scenario::{Scenario, Value};
 use fmi2::description::{Finding, Severity};
 use std::io::IsTerminal;
@@ -27,6 +28,8 @@ pub struct Wanted {
     pub record: bool,
     /// Simulated seconds for each second of the wall clock, if it is not to run as fast as it can.
     pub pace: Option<f64>,
+    /// The names of the instances whose calls are logged.
+    pub log_calls: Vec<String>,
     /// What the run reads besides what the script names.
     pub files: Vec<HashedFile>,
 }
@@ -78,6 +81,7 @@ pub fn prepare(mut script: Script, wanted: Wanted) -> Result<Preparation, Refusa
     if !rendered.is_empty() {
         status(rendered.trim_end());
     }
+    let log_calls = instances_named(&wanted.log_calls, &scenario)?;
     let files = files_of(&scenario, &script.folder)?.into_iter().chain(wanted.files).collect();
     let home = TempDir::with_prefix("lockstep-")
         .map_err(|error| Refusal::new(&format!("cannot make a folder for the units: {error}"), None))?;
@@ -92,6 +96,7 @@ pub fn prepare(mut script: Script, wanted: Wanted) -> Result<Preparation, Refusa
         fail_fast: wanted.fail_fast,
         record: wanted.record,
         pace: wanted.pace,
+        log_calls,
         units,
     };
     Ok(Preparation { plan, record, folder, home, script: script.name })
@@ -102,6 +107,26 @@ fn unit_of(units: &[PlannedUnit], name: &str) -> usize {
         Some(unit) => unit,
         None => unreachable!("a resolved script has found all of its units"),
     }
+}
+
+/// The instances of these names, each once.
+fn instances_named(names: &[String], scenario: &Scenario) -> Result<Vec<usize>, Refusal> {
+    let mut found = names
+        .iter()
+        .map(|name| {
+            let known = || scenario.instances.iter().map(|instance| instance.name.as_str());
+            known().position(|instance| instance == name).ok_or_else(|| {
+                let help = match nearest(name, known()) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("its instances are: {}", known().collect::<Vec<_>>().join(", ")),
+                };
+                Refusal::new(&format!("--log-fmi-calls {name}: the script has no such instance"), Some(&help))
+            })
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    found.sort_unstable();
+    found.dedup();
+    Ok(found)
 }
 
 /// Where the results of a script go unless the user says so: `runs/` and its name without its ending.

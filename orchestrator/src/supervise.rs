@@ -113,13 +113,13 @@ fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError 
     move |error| SuperviseError::Start { doing, error }
 }
 
-/// Runs a plan to its end. Rows go to `trace`, which is whole when this returns.
+/// Runs a plan to its end. Rows and calls go to the recorder, whose files are whole when this returns.
 ///
 /// # Errors
-/// If the stepping process cannot be started or the trace not be written; the stepping process is gone then too.
+/// If the stepping process cannot be started or a file not be written; the stepping process is gone then too.
 pub fn supervise<W: Write>(
     orders: &Orders,
-    trace: Option<Recorder>,
+    recorder: Recorder,
     console: &mut Console<W>,
 ) -> Result<Ended, SuperviseError> {
     let plan = orders.plan;
@@ -129,7 +129,7 @@ pub fn supervise<W: Write>(
     let mut signals = Signals::new([SIGINT, SIGTERM]).map_err(start_error("listen for Ctrl-C"))?;
     let mut process =
         SteppingProcess::start(&orders.program, plan).map_err(start_error("start the stepping process"))?;
-    let mut run = Supervision::new(orders, &board, trace, console);
+    let mut run = Supervision::new(orders, &board, recorder, console);
     loop {
         // Asked before the rings are emptied: what it said before it ended is in them.
         let status = process.ended().map_err(start_error("look after the stepping process"))?;
@@ -158,7 +158,7 @@ struct Supervision<'a, W: Write> {
     plan: &'a Plan,
     board: &'a Board,
     console: &'a mut Console<W>,
-    trace: Option<Recorder>,
+    recorder: Recorder,
     saved: Instant,
     began: Instant,
     polled: Instant,
@@ -171,13 +171,13 @@ struct Supervision<'a, W: Write> {
 }
 
 impl<'a, W: Write> Supervision<'a, W> {
-    fn new(orders: &Orders<'a>, board: &'a Board, trace: Option<Recorder>, console: &'a mut Console<W>) -> Self {
+    fn new(orders: &Orders<'a>, board: &'a Board, recorder: Recorder, console: &'a mut Console<W>) -> Self {
         let now = Instant::now();
         Self {
             plan: orders.plan,
             board,
             console,
-            trace,
+            recorder,
             saved: now,
             began: now,
             polled: now,
@@ -192,12 +192,12 @@ impl<'a, W: Write> Supervision<'a, W> {
 
     /// Takes everything out of the rings; says whether there was something.
     fn drain(&mut self) -> Result<bool, TraceError> {
-        let (trace, last_row) = (&mut self.trace, &mut self.last_row);
+        let (recorder, last_row) = (&mut self.recorder, &mut self.last_row);
         let mut refused = None;
         let rows = self.board.pop_rows(|tick, slots| {
             *last_row = Some(tick);
-            if let (Some(trace), None) = (trace.as_mut(), &refused) {
-                refused = trace.record(tick, slots).err();
+            if refused.is_none() {
+                refused = recorder.record(tick, slots).err();
             }
         });
         let mut messages = Vec::new();
@@ -205,23 +205,25 @@ impl<'a, W: Write> Supervision<'a, W> {
         let busy = rows + messages.len() > 0;
         for message in messages {
             match message {
-                Ok(message) => self.hear(message),
+                Ok(message) => refused = refused.or(self.hear(message).err()),
                 Err(error) => self.console.say(&format!("warning: a message of a unit could not be read: {error}")),
             }
         }
         if refused.is_none() && self.saved.elapsed() >= SAVE_EVERY {
             self.saved = Instant::now();
-            refused = self.trace.as_mut().and_then(|trace| trace.save().err());
+            refused = self.recorder.save().err();
         }
         refused.map_or(Ok(busy), Err)
     }
 
-    fn hear(&mut self, message: Message) {
+    fn hear(&mut self, message: Message) -> Result<(), TraceError> {
         match message {
+            Message::Calls(piece) => return self.recorder.add_call(piece.instance, &piece.bytes),
             Message::Log(said) => self.console.say(&last_words::log_line(&said, &self.plan.scenario)),
             Message::Finished(finish) => self.finish = Some(finish),
             Message::Broken(failure) => self.failure = Some(failure),
         }
+        Ok(())
     }
 
     /// The first time asks the loop to end, the second time ends it.
@@ -276,7 +278,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             let call = self.board.note(0).read();
             self.failure = Some(last_words::failure(call, self.board.tick(), &self.plan.scenario, cause));
         }
-        if let Some(error) = refused.or_else(|| self.trace.take()?.finish().err()) {
+        if let Some(error) = refused.or_else(|| self.recorder.finish().err()) {
             return Err(SuperviseError::unwritten(self.failure, error));
         }
         let ended_by_loop = self.finish.as_ref().map(|finish| finish.reason == Reason::Interrupted);

@@ -79,7 +79,17 @@ fn fly(scenario: Scenario, foreign: &Foreign) -> Flown {
     let layout = BoardLayout { notes: 1, columns: scenario.columns.len(), claims: 0 };
     let unit_of = vec![0; scenario.instances.len()];
     let (folder, board) = (PathBuf::new(), PathBuf::new());
-    let plan = Plan { scenario, units: vec![unit], unit_of, folder, board, fail_fast: false, record: true, pace: None };
+    let plan = Plan {
+        scenario,
+        units: vec![unit],
+        unit_of,
+        folder,
+        board,
+        fail_fast: false,
+        record: true,
+        pace: None,
+        log_calls: vec![],
+    };
     let board = Arc::new(Board::private(&layout).unwrap());
     child::fly(&plan, &board);
     let (mut rows, mut messages) = (Vec::new(), Vec::new());

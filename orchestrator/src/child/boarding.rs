@@ -2,9 +2,10 @@
 
 use super::told::message;
 use crate::failure::{Cause, Doing, Failure};
-use crate::message::Message;
+use crate::message::{CallPiece, Message};
 use crate::plan::{Plan, PlannedUnit};
 use crate::unit::board::{Board, Now};
+use crate::unit::call_log::CallLog;
 use crate::unit::instance::{Instance, Setting};
 use crate::unit::library::Library;
 use crate::unit::logger::LogSink;
@@ -12,6 +13,9 @@ use crate::worker::Seating;
 use dsl::scenario::{Preset, Value};
 use std::path::Path;
 use std::sync::Arc;
+
+/// Bytes of a call that are told at once.
+const LONGEST_PIECE: usize = Board::LONGEST_MESSAGE / 16;
 
 /// Brings all instances of a plan into initialization mode, in the script's order. Whoever is aboard when one fails stays
 /// there, so that the caller can tell the failure before a unit is freed.
@@ -34,7 +38,8 @@ pub fn instances(plan: &Plan, board: &Arc<Board>, aboard: &mut Vec<Seating>) -> 
         };
         libraries[plan.unit_of[index]] = Some(Arc::clone(&library));
         let (note, sink) = (note.clone(), Arc::clone(&sink));
-        let setting = Setting { name: &planned.name, index, note, sink, logging_on: false };
+        let calls = plan.log_calls.contains(&index).then(|| call_log(plan, board, index));
+        let setting = Setting { name: &planned.name, index, note, sink, logging_on: calls.is_some(), calls };
         let instance = Instance::instantiate(&library, setting)?;
         let Seating { instance, .. } = aboard.push_mut(Seating { index, instance });
         for preset in &planned.presets {
@@ -43,6 +48,17 @@ pub fn instances(plan: &Plan, board: &Arc<Board>, aboard: &mut Vec<Seating>) -> 
         instance.setup_experiment(&start())?;
     }
     aboard.iter_mut().try_for_each(|seating| seating.instance.enter_initialization_mode(&start()))
+}
+
+/// Tells the calls of an instance in pieces that the board takes.
+fn call_log(plan: &Plan, board: &Arc<Board>, instance: usize) -> CallLog {
+    let board = Arc::clone(board);
+    let sink = move |text: &str| {
+        for bytes in text.as_bytes().chunks(LONGEST_PIECE) {
+            message(&board, &Message::Calls(CallPiece { instance, bytes: bytes.to_vec() }));
+        }
+    };
+    CallLog { sink: Arc::new(sink), step_ns: plan.scenario.step_ns }
 }
 
 fn load(unit: &PlannedUnit, name: &str, index: usize, board: &Board) -> Result<Arc<Library>, Failure> {

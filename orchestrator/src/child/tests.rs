@@ -86,6 +86,7 @@ fn a_long_flight_asks_for_memory_as_often_as_a_short_one() {
             fail_fast: true,
             record: true,
             pace: None,
+            log_calls: vec![],
         };
         let layout = BoardLayout { notes: 1, columns: plan.scenario.columns.len(), claims: plan.scenario.claims.len() };
         let board = Arc::new(Board::private(&layout).unwrap());

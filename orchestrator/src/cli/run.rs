@@ -40,6 +40,10 @@ pub struct Run {
     /// Simulated seconds for each second of the wall clock, to watch it: 1 is real time [default: as fast as it goes]
     #[arg(long, value_name = "FACTOR", value_parser = pace)]
     pace: Option<f64>,
+    /// Logs every call of an instance with arguments and status to fmi-calls.NAME.log, and asks its unit to tell all that
+    /// it can (loggingOn); may be given several times
+    #[arg(long, value_name = "NAME")]
+    log_fmi_calls: Vec<String>,
     /// Print verdict.json instead of the table
     #[arg(long)]
     json: bool,
@@ -86,6 +90,7 @@ impl Run {
             fail_fast: self.fail_fast,
             record: self.record.is_none(),
             pace: self.pace,
+            log_calls: self.log_fmi_calls.clone(),
             files: Vec::new(),
         };
         preparation::prepare(script, wanted)

@@ -91,7 +91,10 @@ impl Simulate {
             let message = format!("--output {} lies in the folder of the results", output.display());
             return Err(Refusal::new(&message, Some("their rows are in its trace.csv anyway; name a file elsewhere")));
         }
-        preparation::prepare(script, Wanted { out, fail_fast: false, record: true, pace: None, files })
+        preparation::prepare(
+            script,
+            Wanted { out, fail_fast: false, record: true, pace: None, log_calls: Vec::new(), files },
+        )
     }
 
     fn read_input(&self, path: &Path, alone: &Alone) -> Result<(input_file::Curves, HashedFile), Refusal> {

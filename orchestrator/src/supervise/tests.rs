@@ -40,6 +40,7 @@ impl Run {
             board: home.path().join("board"),
             fail_fast: false,
             pace: None,
+            log_calls: vec![],
             record: true,
         };
         let board = Board::private(&BoardLayout { notes: 1, columns: 1, claims: 2 }).unwrap();
@@ -65,10 +66,11 @@ impl Run {
     fn concluded(&self, status: i32) -> (Ended, String) {
         let folder = RunFolder::claim(&self.home.path().join("run"), &run_record::tests::record()).unwrap();
         let signals = ["time", "quad.x"].map(|name| signal(name, BaseType::Real));
-        let trace = Recorder::begin(&folder, self.plan.scenario.step_ns, &signals).unwrap();
+        let mut recorder = Recorder::default();
+        recorder.begin_rows(&folder, self.plan.scenario.step_ns, &signals).unwrap();
         let mut console = Console::new(Vec::new(), Style::Tenths);
         let orders = Orders { plan: &self.plan, program: PathBuf::new(), step_timeout: None };
-        let mut supervision = Supervision::new(&orders, &self.board, Some(trace), &mut console);
+        let mut supervision = Supervision::new(&orders, &self.board, recorder, &mut console);
         supervision.drain().unwrap();
         let ended = supervision.conclude(ExitStatus::from_raw(status), None).unwrap();
         (ended, String::from_utf8(console.into_inner()).unwrap())
@@ -134,7 +136,7 @@ fn a_death_is_kept_when_the_last_rows_cannot_be_written() {
     let run = Run::new();
     let mut console = Console::new(Vec::new(), Style::Tenths);
     let orders = Orders { plan: &run.plan, program: PathBuf::new(), step_timeout: None };
-    let supervision = Supervision::new(&orders, &run.board, None, &mut console);
+    let supervision = Supervision::new(&orders, &run.board, Recorder::default(), &mut console);
     let full = TraceError::io("write", Path::new("trace.csv"))(io::ErrorKind::StorageFull.into());
     let error = supervision.conclude(ExitStatus::from_raw(DIED_OF_SIGSEGV), Some(full)).unwrap_err();
     let SuperviseError::Broken { failure, .. } = &error else { panic!("{error:?}") };
@@ -166,7 +168,7 @@ fn a_program_that_ends_at_once_breaks_the_run() {
     let run = Run::new();
     let orders = Orders { plan: &run.plan, program: Path::new("/bin/true").to_owned(), step_timeout: None };
     let mut console = Console::new(Vec::new(), Style::Tenths);
-    let ended = supervise(&orders, None, &mut console).unwrap();
+    let ended = supervise(&orders, Recorder::default(), &mut console).unwrap();
     assert_eq!(ended.failure.unwrap().to_string(), "the stepping process ended (exit code 0) between calls at 0 s");
 }
 
@@ -174,6 +176,7 @@ fn a_program_that_ends_at_once_breaks_the_run() {
 fn a_program_that_cannot_be_started_is_an_error() {
     let run = Run::new();
     let orders = Orders { plan: &run.plan, program: PathBuf::from("/no/such/program"), step_timeout: None };
-    let error = supervise(&orders, None, &mut Console::new(Vec::new(), Style::Tenths)).unwrap_err().to_string();
+    let error =
+        supervise(&orders, Recorder::default(), &mut Console::new(Vec::new(), Style::Tenths)).unwrap_err().to_string();
     assert!(error.starts_with("cannot start the stepping process: "), "{error}");
 }
