@@ -16,7 +16,6 @@ use crate::preparation::remove_home;
 use crate::step_loop::{StepLoop, Wishes};
 use crate::unit::board::Board;
 use crate::unit::exit;
-use crate::unit::logger::LogSink;
 use crate::wiring::Wiring;
 use crate::worker::{InProcess, Leaving, Seating, Worker};
 use boarding::{Gate, Passenger, enter_initialization};
@@ -92,16 +91,13 @@ pub fn fly_with<'a>(
 }
 
 fn board_all(plan: &Plan, board: &Arc<Board>, aboard: &mut Vec<Seating>) -> Result<(), Failure> {
-    let sink: LogSink = {
-        let board = Arc::clone(board);
-        Arc::new(move |said| told::message(&board, &Message::Log(said)))
-    };
     let note = board.note(0);
-    let gate = Gate { units: &plan.units, folder: &plan.folder, note: note.clone(), sink };
+    let step_ns = plan.scenario.step_ns;
+    let gate = Gate { units: &plan.units, folder: &plan.folder, note: note.clone(), step_ns, sink: told::sink(board) };
     let passengers = plan.scenario.instances.iter().zip(&plan.unit_of).enumerate();
     let passengers = passengers.map(|(index, (instance, &unit))| {
         let (name, presets) = (instance.name.as_str(), instance.presets.as_slice());
-        Passenger { index, name, unit, presets }
+        Passenger { index, name, unit, presets, log_calls: plan.log_calls.contains(&index) }
     });
     gate.admit(passengers, aboard)?;
     enter_initialization(aboard, &note)

@@ -91,10 +91,10 @@ fn look_after(
 ) -> Result<Ended, SuperviseError> {
     let program = std::env::current_exe();
     let program = program.map_err(|error| SuperviseError::Start { doing: "find this program", error })?;
-    let trace = begin_trace(folder, plan).map_err(SuperviseError::Trace)?;
+    let recorder = begin_files(folder, plan).map_err(SuperviseError::Trace)?;
     let step_timeout = (!manner.step_timeout.is_zero()).then_some(manner.step_timeout);
     let orders = Orders { plan, saving, program, step_timeout, placement: manner.placement };
-    supervise(&orders, trace, audience, &mut Console::stderr(manner.style))
+    supervise(&orders, recorder, audience, &mut Console::stderr(manner.style))
 }
 
 /// Notes, and tells as far as the caller will not, what broke a run that left no results.
@@ -122,13 +122,17 @@ fn leave(folder: &mut RunFolder, record: &mut RunRecord, verdict: &Verdict) -> R
     written.and(noted)
 }
 
-/// The files of rows; none with `--record none`.
-fn begin_trace(folder: &RunFolder, plan: &Plan) -> Result<Option<Recorder>, TraceError> {
-    if !plan.record {
-        return Ok(None);
+/// The files that grow with the run: rows unless `--record none`, and calls that are to be logged.
+fn begin_files(folder: &RunFolder, plan: &Plan) -> Result<Recorder, TraceError> {
+    let mut recorder = Recorder::default();
+    if plan.record {
+        let signals = signals::of(&plan.scenario, |instance| &plan.units[plan.unit_of[instance]].description);
+        recorder.begin_rows(folder, plan.scenario.step_ns, &signals)?;
     }
-    let signals = signals::of(&plan.scenario, |instance| &plan.units[plan.unit_of[instance]].description);
-    Recorder::begin(folder, plan.scenario.step_ns, &signals).map(Some)
+    for &instance in &plan.log_calls {
+        recorder.begin_calls(folder, instance, &plan.scenario.instances[instance].name)?;
+    }
+    Ok(recorder)
 }
 
 fn run_state(ended: &Ended) -> RunState {

@@ -1,8 +1,10 @@
 //! What the stepping process tells its parent besides rows and claims, as records of the board's message ring.
 
 use crate::failure::Failure;
+use crate::unit::board::Board;
 use fmi2::c::RawStatus;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// One record, encoded by postcard.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -11,9 +13,11 @@ pub enum Message {
     Log(LogMessage),
     /// The run as it was after the row of this tick lies where the plan says.
     Saved(u64),
+    /// What the log of an instance's calls goes on with.
+    Calls(CallPiece),
     /// The run ended by itself; nothing follows.
     Finished(Finish),
-    /// The run broke; nothing follows but words of units that are freed.
+    /// The run broke; nothing follows but words and calls of units that are freed.
     Broken(Failure),
 }
 
@@ -32,6 +36,21 @@ pub struct LogMessage {
     pub category: String,
     /// The text.
     pub text: String,
+}
+
+/// Where messages go; called by any thread.
+pub type MessageSink = Arc<dyn Fn(Message) + Send + Sync>;
+
+/// Bytes of a call that are told at once.
+pub const LONGEST_PIECE: usize = Board::LONGEST_MESSAGE / 16;
+
+/// A piece of the log of an instance's calls.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CallPiece {
+    /// Index of the instance.
+    pub instance: usize,
+    /// The next bytes of the file.
+    pub bytes: Vec<u8>,
 }
 
 /// How a run ended.

@@ -34,6 +34,8 @@ pub struct Plan {
     pub saves: Vec<PlannedSave>,
     /// Where the run continues; `None` for the start.
     pub from: Option<Checkpoint>,
+    /// The instances whose calls are logged (`--log-fmi-calls`).
+    pub log_calls: Vec<usize>,
 }
 
 impl Plan {

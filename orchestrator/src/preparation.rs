@@ -14,6 +14,7 @@ use crate::trace::run_folder::RunFolder;
 use crate::trace::run_record::{HashedFile, Host, RunRecord, RunState, now, sha256};
 use crate::unit::archive::{Unpacked, unpack};
 use checkpoints::{Candidate, Checkpoints};
+use dsl::nearest::nearest;
 use dsl::scenario::{Scenario, Value};
 use fmi2::description::{Finding, Severity};
 use std::collections::BTreeSet;
@@ -39,6 +40,8 @@ pub struct Wanted {
     pub pace: Option<f64>,
     /// What to save, and where to continue from.
     pub checkpoints: CheckpointWishes,
+    /// The names of the instances whose calls are logged.
+    pub log_calls: Vec<String>,
     /// What the run reads besides what the script names.
     pub files: Vec<HashedFile>,
 }
@@ -94,6 +97,7 @@ pub fn prepare(mut script: Script, wanted: Wanted) -> Result<Preparation, Refusa
     if !rendered.is_empty() {
         status(rendered.trim_end());
     }
+    let log_calls = instances_named(&wanted.log_calls, &scenario)?;
     let files = files_of(&scenario, &script.folder)?.into_iter().chain(wanted.files).collect();
     let home = TempDir::with_prefix(HOME_PREFIX)
         .map_err(|error| Refusal::new(&format!("cannot make a folder for the units: {error}"), None))?;
@@ -116,6 +120,7 @@ pub fn prepare(mut script: Script, wanted: Wanted) -> Result<Preparation, Refusa
         pace: wanted.pace,
         saves: planned_saves(&saving, home.path()),
         from,
+        log_calls,
         units,
     };
     Ok(Preparation { plan, saving, record, folder, home, script: script.name, audience: None })
@@ -141,6 +146,26 @@ fn unit_of(units: &[PlannedUnit], name: &str) -> usize {
         Some(unit) => unit,
         None => unreachable!("a resolved script has found all of its units"),
     }
+}
+
+/// The instances of these names, each once.
+fn instances_named(names: &[String], scenario: &Scenario) -> Result<Vec<usize>, Refusal> {
+    let mut found = names
+        .iter()
+        .map(|name| {
+            let known = || scenario.instances.iter().map(|instance| instance.name.as_str());
+            known().position(|instance| instance == name).ok_or_else(|| {
+                let help = match nearest(name, known()) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("its instances are: {}", known().collect::<Vec<_>>().join(", ")),
+                };
+                Refusal::new(&format!("--log-fmi-calls {name}: the script has no such instance"), Some(&help))
+            })
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    found.sort_unstable();
+    found.dedup();
+    Ok(found)
 }
 
 /// Where the results of a script go unless the user says so: `runs/` and its name without its ending.

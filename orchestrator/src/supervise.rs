@@ -50,14 +50,14 @@ fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError 
     move |error| SuperviseError::Start { doing, error }
 }
 
-/// Runs a plan to its end. Rows go to `trace`, which is whole when this returns, and to the audience, which is not told
-/// that the run is over.
+/// Runs a plan to its end. Rows and calls go to the recorder, whose files are whole when this returns; rows also to the
+/// audience, which is not told that the run is over.
 ///
 /// # Errors
 /// If what steps cannot be started or the trace not be written; no process of the run is left then either.
 pub fn supervise<W: Write>(
     orders: &Orders,
-    trace: Option<Recorder>,
+    recorder: Recorder,
     mut audience: Option<&mut (dyn Audience + 'static)>,
     console: &mut Console<W>,
 ) -> Result<Ended, SuperviseError> {
@@ -74,7 +74,7 @@ pub fn supervise<W: Write>(
             }
             let process =
                 SteppingProcess::start(&orders.program, plan).map_err(start_error("start the stepping process"))?;
-            look_after(process, signals, Supervision::new(orders, &board, trace, audience, console))
+            look_after(process, signals, Supervision::new(orders, &board, recorder, audience, console))
         }
         #[cfg(feature = "bus")]
         Placement::Isolated => {
@@ -84,7 +84,7 @@ pub fn supervise<W: Write>(
                 audience.begin(&board);
             }
             let loop_here = crate::bus::Isolated::start(orders, &board).map_err(start_error("start the workers"))?;
-            look_after(loop_here, signals, Supervision::new(orders, &board, trace, audience, console))
+            look_after(loop_here, signals, Supervision::new(orders, &board, recorder, audience, console))
         }
     }
 }
@@ -125,7 +125,7 @@ struct Supervision<'a, W: Write> {
     kept: Vec<u64>,
     board: &'a Board,
     console: &'a mut Console<W>,
-    trace: Option<Recorder>,
+    recorder: Recorder,
     audience: Option<&'a mut (dyn Audience + 'static)>,
     saved: Instant,
     began: Instant,
@@ -143,7 +143,7 @@ impl<'a, W: Write> Supervision<'a, W> {
     fn new(
         orders: &Orders<'a>,
         board: &'a Board,
-        trace: Option<Recorder>,
+        recorder: Recorder,
         audience: Option<&'a mut (dyn Audience + 'static)>,
         console: &'a mut Console<W>,
     ) -> Self {
@@ -154,7 +154,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             kept: Vec::new(),
             board,
             console,
-            trace,
+            recorder,
             audience,
             saved: now,
             began: now,
@@ -174,12 +174,12 @@ impl<'a, W: Write> Supervision<'a, W> {
     fn drain(&mut self) -> Result<bool, TraceError> {
         // Asked before the rings are emptied: all that counts before this tick was said before it was reached.
         let reached = self.board.tick();
-        let (trace, audience, last_row) = (&mut self.trace, &mut self.audience, &mut self.last_row);
+        let (recorder, audience, last_row) = (&mut self.recorder, &mut self.audience, &mut self.last_row);
         let mut refused = None;
         let rows = self.board.pop_rows(|tick, slots| {
             *last_row = Some(tick);
-            if let (Some(trace), None) = (trace.as_mut(), &refused) {
-                refused = trace.record(tick, slots).err();
+            if refused.is_none() {
+                refused = recorder.record(tick, slots).err();
             }
             if let Some(audience) = audience {
                 audience.row(tick, slots);
@@ -190,10 +190,7 @@ impl<'a, W: Write> Supervision<'a, W> {
         let busy = rows + messages.len() > 0;
         for message in messages {
             match message {
-                Ok(message) => {
-                    let heard = self.hear(message);
-                    refused = refused.or(heard.err());
-                }
+                Ok(message) => refused = refused.or(self.hear(message).err()),
                 Err(error) => self.console.say(&format!("warning: a message of a unit could not be read: {error}")),
             }
         }
@@ -205,7 +202,7 @@ impl<'a, W: Write> Supervision<'a, W> {
         }
         if refused.is_none() && self.saved.elapsed() >= SAVE_EVERY {
             self.saved = Instant::now();
-            refused = self.trace.as_mut().and_then(|trace| trace.save().err());
+            refused = self.recorder.save().err();
         }
         refused.map_or(Ok(busy), Err)
     }
@@ -214,6 +211,7 @@ impl<'a, W: Write> Supervision<'a, W> {
         match message {
             Message::Log(said) => self.words.hear(said),
             Message::Saved(tick) => return self.keep(tick),
+            Message::Calls(piece) => return self.recorder.add_call(piece.instance, &piece.bytes),
             Message::Finished(finish) => self.finish = Some(finish),
             Message::Broken(failure) => self.failure = Some(failure),
         }
@@ -305,7 +303,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             let call = self.board.note(0).read();
             self.failure = Some(failure(call, self.board.tick(), &self.plan.scenario, cause));
         }
-        if let Some(error) = refused.or_else(|| self.trace.take()?.finish().err()) {
+        if let Some(error) = refused.or_else(|| std::mem::take(&mut self.recorder).finish().err()) {
             return Err(SuperviseError::unwritten(self.failure, error));
         }
         let ended_by_loop = self.finish.as_ref().map(|finish| finish.reason == Reason::Interrupted);

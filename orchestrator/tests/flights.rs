@@ -95,6 +95,7 @@ fn fly(scenario: Scenario, foreign: &Foreign) -> Flown {
         pace: None,
         saves: Vec::new(),
         from: None,
+        log_calls: vec![],
     };
     let board = Arc::new(Board::private(&layout).unwrap());
     child::fly(&plan, &board);

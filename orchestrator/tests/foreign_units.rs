@@ -50,7 +50,7 @@ impl Bench {
         let sink = Arc::new(move |message| heard.lock().unwrap().push(message));
         Instance::instantiate(
             library,
-            Setting { name: "tank", index: 3, note: self.note.clone(), sink, logging_on: true },
+            Setting { name: "tank", index: 3, note: self.note.clone(), sink, logging_on: true, calls: None },
         )
     }
 
@@ -130,7 +130,7 @@ fn a_note_names_the_call_even_of_what_a_unit_says_in_it() {
     let (note, calls) = (bench.note.clone(), Arc::new(Mutex::new(Vec::new())));
     let seen = Arc::clone(&calls);
     let sink = Arc::new(move |_| seen.lock().unwrap().push(note.read().unwrap()));
-    let setting = Setting { name: "tank", index: 3, note: bench.note.clone(), sink, logging_on: true };
+    let setting = Setting { name: "tank", index: 3, note: bench.note.clone(), sink, logging_on: true, calls: None };
     let mut tank = Instance::instantiate(&library, setting).unwrap();
     tank.do_step(&bench.at(7), STEP_S).unwrap();
     let calls: Vec<_> = calls.lock().unwrap().iter().map(|call| (call.tick, call.instance, call.doing)).collect();

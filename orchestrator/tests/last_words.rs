@@ -30,7 +30,7 @@ fn run_that_a_unit_ends() {
         tell.push_message(message.text.as_bytes());
     });
     let note = board.note(0);
-    let setting = Setting { name: "tank", index: 5, note: note.clone(), sink, logging_on: true };
+    let setting = Setting { name: "tank", index: 5, note: note.clone(), sink, logging_on: true, calls: None };
     let mut tank = Instance::instantiate(&Arc::new(library), setting).unwrap();
     let at = |tick: u64| note.at(tick, tick as f64 * 0.1);
     tank.setup_experiment(&at(0)).unwrap();

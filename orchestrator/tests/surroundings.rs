@@ -19,7 +19,7 @@ fn an_instantiate_that_changes_rounding_and_folder_is_undone() {
     let unpacked = unpack(&fmu, &folder.path().join("unpacked")).unwrap();
     let note = Board::private(&BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap().note(0);
     let library = Arc::new(Library::load(&unpacked.folder, &unpacked.description, &note, 0).unwrap());
-    let setting = Setting { name: "unit", index: 0, note, sink: Arc::new(|_| ()), logging_on: false };
+    let setting = Setting { name: "unit", index: 0, note, sink: Arc::new(|_| ()), logging_on: false, calls: None };
     let _instance = Instance::instantiate(&library, setting).unwrap();
     assert_eq!(current_dir().unwrap(), before);
     // Rounded downward it would be further from zero.

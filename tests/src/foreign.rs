@@ -7,6 +7,12 @@ use std::process::Command;
 use tempfile::TempDir;
 use zip::write::SimpleFileOptions;
 
+/// What is exchanged in the description of a unit that says that it saves its state.
+pub const CLAIMS_STATES: (&str, &str) = (
+    "canHandleVariableCommunicationStepSize=\"true\"",
+    "canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"",
+);
+
 /// How the unit is built and packed.
 #[derive(Debug)]
 pub struct Foreign<'a> {

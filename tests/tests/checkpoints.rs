@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::path::Path;
 use tempfile::TempDir;
-use tests::foreign::Foreign;
+use tests::foreign::{CLAIMS_STATES, Foreign};
 use tests::program::{Said, repository, run};
 use zip::{ZipArchive, ZipWriter};
 
@@ -275,13 +275,9 @@ fn units_that_cannot_save_their_state_are_named_at_once_before_the_run() {
     insta::assert_snapshot!(told);
 }
 
-const WITHOUT_STATES: &str = "canHandleVariableCommunicationStepSize=\"true\"";
-const WITH_STATES: &str = "canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUstate=\"true\" \
-                           canSerializeFMUstate=\"true\"";
-
 /// A folder with a script and a unit in C that says that it saves its state.
 fn foreign(defines: &[&str]) -> TempDir {
-    let (folder, _) = Foreign { defines, description: &[(WITHOUT_STATES, WITH_STATES)], ..Foreign::default() }.build();
+    let (folder, _) = Foreign { defines, description: &[CLAIMS_STATES], ..Foreign::default() }.build();
     let script = "scenario \"A foreign unit\"\nstep 100 ms\nstop 1 s\nfmu a = \"foreign.fmu\" { label = \"mine\" }\n\
                   fmu b = \"foreign.fmu\" every 300 ms\n1 + time / 1 s -> a.u\na.y -> b.u\n\
                   at 300 ms lasting 300 ms { set a.enabled = true }\n\

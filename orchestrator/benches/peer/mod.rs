@@ -72,7 +72,7 @@ impl Unit {
         let note = self.board.note(0);
         let make = |index: usize| {
             let sink = Arc::new(|_| {});
-            let setting = Setting { name: "unit", index, note: note.clone(), sink, logging_on: false };
+            let setting = Setting { name: "unit", index, note: note.clone(), sink, logging_on: false, calls: None };
             let mut instance = Instance::instantiate(&self.library, setting)?;
             instance.setup_experiment(&note.at(0, 0.0))?;
             instance.enter_initialization_mode(&note.at(0, 0.0))?;

@@ -15,8 +15,8 @@ mod peer;
 use dsl::scenario::{Connection, Drive, Instance as Planned, Port, Scenario};
 use echo::Echoes;
 use orchestrator::bus::Crew;
+use orchestrator::message::MessageSink;
 use orchestrator::plan::{Plan, PlannedUnit};
-use orchestrator::unit::logger::LogSink;
 use orchestrator::wiring::Wiring;
 use orchestrator::worker::{Leaving, Order, Worker};
 use peer::table::{Table, alternate};
@@ -82,7 +82,7 @@ impl<'a> Rounds<'a> {
         let wiring = Wiring::new(&plan.scenario, &vec![&unit.description; count], &worker_of);
         let program = Path::new(env!("CARGO_BIN_EXE_lockstep"));
         let crew = Crew::start(program, home.path(), count, Some(Duration::from_secs(10)))?;
-        let sink: LogSink = Arc::new(|_| {});
+        let sink: MessageSink = Arc::new(|_| {});
         let mut workers = crew.enlist(plan, &wiring, &sink).map_err(told)?;
         let mut outputs = wiring.outputs.clone();
         for worker in &mut workers {
@@ -159,5 +159,6 @@ fn plan(unit: &Unit, count: usize) -> Plan {
         pace: None,
         saves: Vec::new(),
         from: None,
+        log_calls: Vec::new(),
     }
 }

@@ -5,9 +5,9 @@ use super::remote::{Remote, Way};
 use super::run_name::run_name;
 use super::worker_process::Address;
 use crate::failure::Failure;
+use crate::message::MessageSink;
 use crate::plan::Plan;
 use crate::unit::board::{Board, BoardLayout};
-use crate::unit::logger::LogSink;
 use crate::wiring::Wiring;
 use crate::worker::{Leaving, Worker};
 use std::io;
@@ -56,7 +56,7 @@ impl Crew {
         self,
         plan: &'a Plan,
         wiring: &Wiring,
-        sink: &LogSink,
+        sink: &MessageSink,
     ) -> Result<Vec<Box<dyn Worker + 'a>>, Failure> {
         let run = run_name();
         let dialled: Vec<_> = thread::scope(|scope| {

@@ -4,10 +4,8 @@ use super::crew::Crew;
 use super::fleet::Fleet;
 use crate::child::{fly_with, told};
 use crate::failure::Cause;
-use crate::message::Message;
 use crate::supervise::{Orders, Stepping};
 use crate::unit::board::Board;
-use crate::unit::logger::LogSink;
 use std::io;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
@@ -36,12 +34,8 @@ impl Isolated {
         let (fleet, board) = (crew.fleet(), Arc::clone(board));
         let workers = Arc::clone(&fleet);
         let fly = move || {
-            let sink: LogSink = {
-                let board = Arc::clone(&board);
-                Arc::new(move |said| told::message(&board, &Message::Log(said)))
-            };
             let worker_of: Vec<_> = (0..count).collect();
-            fly_with(&plan, &board, &worker_of, |wiring| crew.enlist(&plan, wiring, &sink));
+            fly_with(&plan, &board, &worker_of, |wiring| crew.enlist(&plan, wiring, &told::sink(&board)));
             workers.dismiss(FAREWELL);
         };
         let thread = thread::Builder::new().name("step loop".to_owned()).spawn(fly)?;

@@ -1,6 +1,6 @@
 //! What is said besides blocks: who calls whom, which instances a worker holds, what a reply tells in words.
 
-use crate::message::LogMessage;
+use crate::message::Message;
 use crate::plan::path_bytes;
 use crate::values::{Slot, Values};
 use crate::wiring::Pick;
@@ -92,6 +92,8 @@ pub struct Held {
     pub unit: usize,
     /// What is set before initialization.
     pub presets: Vec<Preset>,
+    /// Whether its calls are told.
+    pub log_calls: bool,
     /// The variables of a block towards it, as indices into the unit's description.
     pub inputs: Vec<usize>,
     /// The variables of a block from it.
@@ -185,8 +187,8 @@ impl Picked {
 /// What a reply says besides its blocks; mostly nothing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Aside {
-    /// What its units said since the reply before.
-    pub said: Vec<LogMessage>,
+    /// Words and calls of its units since the reply before.
+    pub said: Vec<Message>,
     /// Instances that are done for good.
     pub terminated: Vec<Terminated>,
     /// What went wrong; there are no blocks then.

@@ -13,10 +13,10 @@ use super::opening::{Aside, Company, Held, Initial, Opening, Picked, Speaker, Un
 use super::wire::{Header, Kind, Outgoing};
 use super::worker_process::Address;
 use crate::failure::{Cause, Failure};
+use crate::message::MessageSink;
 use crate::plan::Plan;
 use crate::supervise::failure;
 use crate::unit::board::Board;
-use crate::unit::logger::LogSink;
 use crate::values::Values;
 use crate::wiring::{Member, Pick, Wiring};
 use crate::worker::{Leaving, Lost, Order, Reply, Ticket, Worker};
@@ -46,8 +46,8 @@ pub struct Remote<'a> {
     plan: &'a Plan,
     way: Way,
     link: Option<Link>,
-    /// Where messages of its units go.
-    sink: LogSink,
+    /// Where words and calls of its units go.
+    sink: MessageSink,
     schema: u64,
     /// Its instances with their ports, in the script's order.
     members: Vec<(usize, Member)>,
@@ -79,7 +79,7 @@ impl<'a> Remote<'a> {
     ///
     /// # Errors
     /// It did not come up.
-    pub fn dial(plan: &'a Plan, wiring: &Wiring, way: Way, sink: LogSink, run: &str) -> Result<Self, Failure> {
+    pub fn dial(plan: &'a Plan, wiring: &Wiring, way: Way, sink: MessageSink, run: &str) -> Result<Self, Failure> {
         let number = way.address.number;
         let of_worker = wiring.groups.iter().enumerate().filter(|(_, group)| group.worker == number);
         let groups = of_worker.zip(0..).map(|((index, group), local)| {
@@ -302,6 +302,7 @@ fn opening(plan: &Plan, members: &[(usize, Member)], groups: Vec<Company>) -> Op
             name: instance.name.clone(),
             unit: unit_of(*index),
             presets: instance.presets.clone(),
+            log_calls: plan.log_calls.contains(index),
             inputs: variables(&member.inputs),
             outputs: variables(&member.outputs),
         }

@@ -1,11 +1,12 @@
 //! Brings units on board: libraries are loaded, instances made, their values set, initialization begun.
 
 use crate::failure::{Cause, Doing, Failure};
+use crate::message::{CallPiece, LONGEST_PIECE, Message, MessageSink};
 use crate::plan::PlannedUnit;
 use crate::unit::board::{Note, Now};
+use crate::unit::call_log::CallLog;
 use crate::unit::instance::{Instance, Setting};
 use crate::unit::library::Library;
-use crate::unit::logger::LogSink;
 use crate::worker::Seating;
 use dsl::scenario::{Preset, Value};
 use std::path::Path;
@@ -22,6 +23,8 @@ pub struct Passenger<'a> {
     pub unit: usize,
     /// What is set before initialization.
     pub presets: &'a [Preset],
+    /// Whether its calls are told.
+    pub log_calls: bool,
 }
 
 /// Where to board, and who hears of it.
@@ -32,8 +35,10 @@ pub struct Gate<'a> {
     pub folder: &'a Path,
     /// The note of the thread that makes the calls.
     pub note: Note,
-    /// Where messages of units go.
-    pub sink: LogSink,
+    /// The communication step in nanoseconds.
+    pub step_ns: u64,
+    /// Where words and calls of units go.
+    pub sink: MessageSink,
 }
 
 impl Gate<'_> {
@@ -49,14 +54,16 @@ impl Gate<'_> {
     ) -> Result<(), Failure> {
         let start = || self.note.at(0, 0.0);
         let mut libraries: Vec<Option<Arc<Library>>> = vec![None; self.units.len()];
-        for Passenger { index, name, unit, presets } in passengers {
+        for Passenger { index, name, unit, presets, log_calls } in passengers {
             let library = match &libraries[unit] {
                 Some(library) => Arc::clone(library),
                 None => self.load(&self.units[unit], name, index)?,
             };
             libraries[unit] = Some(Arc::clone(&library));
-            let (note, sink) = (self.note.clone(), Arc::clone(&self.sink));
-            let setting = Setting { name, index, note, sink, logging_on: false };
+            let sink = Arc::clone(&self.sink);
+            let sink = Arc::new(move |said| sink(Message::Log(said)));
+            let calls = log_calls.then(|| self.call_log(index));
+            let setting = Setting { name, index, note: self.note.clone(), sink, logging_on: log_calls, calls };
             let instance = Instance::instantiate(&library, setting)?;
             let Seating { instance, .. } = aboard.push_mut(Seating { index, instance });
             for preset in presets {
@@ -65,6 +72,17 @@ impl Gate<'_> {
             instance.setup_experiment(&start())?;
         }
         Ok(())
+    }
+
+    /// Tells the calls of an instance in pieces that a board takes.
+    fn call_log(&self, instance: usize) -> CallLog {
+        let sink = Arc::clone(&self.sink);
+        let tell = move |text: &str| {
+            for bytes in text.as_bytes().chunks(LONGEST_PIECE) {
+                sink(Message::Calls(CallPiece { instance, bytes: bytes.to_vec() }));
+            }
+        };
+        CallLog { sink: Arc::new(tell), step_ns: self.step_ns }
     }
 
     fn load(&self, unit: &PlannedUnit, name: &str, index: usize) -> Result<Arc<Library>, Failure> {

@@ -76,7 +76,7 @@ pub(crate) fn plan(ticks: u64, unit: &Unpacked) -> Plan {
     let units = vec![PlannedUnit { name, folder, description, sha256 }];
     let (folder, board) = (PathBuf::new(), PathBuf::new());
     let (scenario, unit_of) = (scenario(ticks), vec![0, 0]);
-    let (saves, from) = (Vec::new(), None);
+    let (saves, from, log_calls) = (Vec::new(), None, Vec::new());
     Plan {
         scenario,
         units,
@@ -89,6 +89,7 @@ pub(crate) fn plan(ticks: u64, unit: &Unpacked) -> Plan {
         pace: None,
         saves,
         from,
+        log_calls,
     }
 }
 

@@ -2,10 +2,11 @@
 
 use super::pace::Pace;
 use crate::claims::Standing;
-use crate::message::Message;
+use crate::message::{Message, MessageSink};
 use crate::plan::PlannedSave;
 use crate::step_loop::{Checkpoint, Witness};
 use crate::unit::board::{Board, ClaimNote};
+use std::sync::Arc;
 
 /// Tells the board.
 pub struct Told<'a> {
@@ -59,6 +60,13 @@ impl Witness for Told<'_> {
         let Standing { verdict, margin, worst_tick } = standing;
         self.board.set_claim(claim, &ClaimNote { verdict: verdict as u8, margin, worst_tick });
     }
+}
+
+/// Where messages of this process go: onto the board.
+#[must_use]
+pub fn sink(board: &Arc<Board>) -> MessageSink {
+    let board = Arc::clone(board);
+    Arc::new(move |told| message(&board, &told))
 }
 
 /// Puts a message on the board.

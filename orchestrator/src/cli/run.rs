@@ -58,6 +58,10 @@ pub struct Run {
     #[cfg(feature = "bus")]
     #[command(flatten)]
     live: live::Live,
+    /// Logs every call of an instance with arguments and status to fmi-calls.NAME.log, and asks its unit to tell all that
+    /// it can (loggingOn); may be given several times
+    #[arg(long, value_name = "NAME")]
+    log_fmi_calls: Vec<String>,
     /// Print verdict.json instead of the table
     #[arg(long)]
     json: bool,
@@ -118,6 +122,7 @@ impl Run {
             record: self.record.is_none(),
             pace: self.pace,
             checkpoints: CheckpointWishes { saves: self.saves()?, from: self.from.clone() },
+            log_calls: self.log_fmi_calls.clone(),
             files: Vec::new(),
         };
         let ready = preparation::prepare(script, wanted)?;

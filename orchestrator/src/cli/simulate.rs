@@ -93,8 +93,9 @@ impl Simulate {
             let message = format!("--output {} lies in the folder of the results", output.display());
             return Err(Refusal::new(&message, Some("their rows are in its trace.csv anyway; name a file elsewhere")));
         }
-        let checkpoints = CheckpointWishes::default();
-        preparation::prepare(script, Wanted { out, fail_fast: false, record: true, pace: None, checkpoints, files })
+        let (checkpoints, log_calls) = (CheckpointWishes::default(), Vec::new());
+        let wanted = Wanted { out, fail_fast: false, record: true, pace: None, checkpoints, log_calls, files };
+        preparation::prepare(script, wanted)
     }
 
     fn read_input(&self, path: &Path, alone: &Alone) -> Result<(input_file::Curves, HashedFile), Refusal> {

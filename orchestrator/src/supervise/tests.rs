@@ -42,6 +42,7 @@ impl Run {
             board: home.path().join("board"),
             fail_fast: false,
             pace: None,
+            log_calls: vec![],
             record: true,
             live: false,
             saves: vec![],
@@ -70,7 +71,8 @@ impl Run {
     fn concluded(&self, status: i32) -> (Ended, String) {
         let folder = RunFolder::claim(&self.home.path().join("run"), &run_record::tests::record()).unwrap();
         let signals = ["time", "quad.x"].map(|name| signal(name, BaseType::Real));
-        let trace = Recorder::begin(&folder, self.plan.scenario.step_ns, &signals).unwrap();
+        let mut recorder = Recorder::default();
+        recorder.begin_rows(&folder, self.plan.scenario.step_ns, &signals).unwrap();
         let mut console = Console::new(Vec::new(), Style::Tenths);
         let orders = Orders {
             plan: &self.plan,
@@ -79,7 +81,7 @@ impl Run {
             step_timeout: None,
             placement: Placement::Together,
         };
-        let mut supervision = Supervision::new(&orders, &self.board, Some(trace), None, &mut console);
+        let mut supervision = Supervision::new(&orders, &self.board, recorder, None, &mut console);
         supervision.drain().unwrap();
         let ended = supervision.conclude(cause_of_death(ExitStatus::from_raw(status)), None).unwrap();
         (ended, String::from_utf8(console.into_inner()).unwrap())
@@ -137,7 +139,7 @@ fn an_audience_is_told_every_row_also_where_none_is_written() {
         step_timeout: None,
         placement: Placement::Together,
     };
-    Supervision::new(&orders, &run.board, None, Some(&mut seats), &mut console).drain().unwrap();
+    Supervision::new(&orders, &run.board, Recorder::default(), Some(&mut seats), &mut console).drain().unwrap();
     assert_eq!(seats.rows, [0, 1, 2].map(|tick| (tick, (tick as f64).to_bits())));
 }
 
@@ -152,7 +154,7 @@ fn an_audience_is_told_that_a_run_begins() {
         step_timeout: None,
         placement: Placement::Together,
     };
-    supervise(&orders, None, Some(&mut seats), &mut Console::new(Vec::new(), Style::Tenths)).unwrap();
+    supervise(&orders, Recorder::default(), Some(&mut seats), &mut Console::new(Vec::new(), Style::Tenths)).unwrap();
     assert!(seats.begun);
 }
 
@@ -201,7 +203,7 @@ fn a_death_is_kept_when_the_last_rows_cannot_be_written() {
         step_timeout: None,
         placement: Placement::Together,
     };
-    let supervision = Supervision::new(&orders, &run.board, None, None, &mut console);
+    let supervision = Supervision::new(&orders, &run.board, Recorder::default(), None, &mut console);
     let full = TraceError::io("write", Path::new("trace.csv"))(io::ErrorKind::StorageFull.into());
     let error = supervision.conclude(Cause::Signal(DIED_OF_SIGSEGV), Some(full)).unwrap_err();
     let SuperviseError::Broken { failure, .. } = &error else { panic!("{error:?}") };
@@ -240,7 +242,7 @@ fn a_program_that_ends_at_once_breaks_the_run() {
         placement: Placement::Together,
     };
     let mut console = Console::new(Vec::new(), Style::Tenths);
-    let ended = supervise(&orders, None, None, &mut console).unwrap();
+    let ended = supervise(&orders, Recorder::default(), None, &mut console).unwrap();
     assert_eq!(ended.failure.unwrap().to_string(), "the stepping process ended (exit code 0) between calls at 0 s");
 }
 
@@ -254,6 +256,8 @@ fn a_program_that_cannot_be_started_is_an_error() {
         step_timeout: None,
         placement: Placement::Together,
     };
-    let error = supervise(&orders, None, None, &mut Console::new(Vec::new(), Style::Tenths)).unwrap_err().to_string();
+    let error = supervise(&orders, Recorder::default(), None, &mut Console::new(Vec::new(), Style::Tenths))
+        .unwrap_err()
+        .to_string();
     assert!(error.starts_with("cannot start the stepping process: "), "{error}");
 }

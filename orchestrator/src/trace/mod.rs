@@ -5,6 +5,7 @@
 //! `run.json` alone.
 
 mod arrow_schema;
+pub mod call_log;
 pub mod checkpoint;
 pub mod csv;
 pub mod parquet;

@@ -109,18 +109,31 @@ impl RunFolder {
     }
 
     fn remove_results(&self) -> Result<(), TraceError> {
-        for name in RESULTS {
-            for path in [self.path.join(name), self.path.join(format!("{name}{PARTIAL}"))] {
-                match fs::remove_file(&path) {
-                    Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                        return Err(TraceError::io("remove", &path)(error));
-                    }
-                    _ => {}
-                }
+        for entry in fs::read_dir(&self.path).map_err(TraceError::io("read", &self.path))? {
+            let path = entry.map_err(TraceError::io("read", &self.path))?.path();
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let whole = name.strip_suffix(PARTIAL).unwrap_or(&name);
+            if RESULTS.contains(&whole) || is_call_log(whole) {
+                fs::remove_file(&path).map_err(TraceError::io("remove", &path))?;
             }
         }
         Ok(())
     }
+}
+
+/// What the log of an instance's calls is called. Other characters than letters, digits, `_` and `-` are told by their
+/// numbers, so that no two instances share a file.
+#[must_use]
+pub fn call_log_name(instance: &str) -> String {
+    let harmless = |letter: char| match letter {
+        letter if letter.is_alphanumeric() || "_-".contains(letter) => letter.to_string(),
+        other => format!("%{:X}", u32::from(other)),
+    };
+    format!("fmi-calls.{}.log", instance.chars().map(harmless).collect::<String>())
+}
+
+fn is_call_log(name: &str) -> bool {
+    name.starts_with("fmi-calls.") && name.ends_with(".log")
 }
 
 /// A file that has its partial name until [`PartialFile::finish`].
@@ -206,13 +219,21 @@ mod tests {
     fn an_earlier_runs_results_go_and_what_was_added_by_hand_stays() {
         let home = tempfile::tempdir().unwrap();
         drop(RunFolder::claim(home.path(), &record()).unwrap());
-        for name in ["trace.csv", "trace.parquet", "verdict.json", "trace.csv.partial", "notes.txt"] {
+        for name in ["trace.csv", "trace.parquet", "fmi-calls.quad.log.partial", "trace.csv.partial", "notes.txt"] {
             fs::write(home.path().join(name), "old").unwrap();
         }
         let _folder = RunFolder::claim(home.path(), &record()).unwrap();
         let mut names: Vec<_> = fs::read_dir(home.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         names.sort();
         assert_eq!(names, ["notes.txt", "run.json"]);
+    }
+
+    #[test]
+    fn the_log_of_an_instance_stays_in_the_folder_and_is_no_other_instances() {
+        let names = ["quad", "edge[1]", "../a", "é %2E"].map(call_log_name);
+        let expected = ["quad", "edge%5B1%5D", "%2E%2E%2Fa", "é%20%252E"].map(|name| format!("fmi-calls.{name}.log"));
+        assert_eq!(names, expected);
+        assert!(names.iter().all(|name| is_call_log(name)));
     }
 
     #[test]

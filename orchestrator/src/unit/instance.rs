@@ -9,7 +9,7 @@ mod strings;
 pub use lifecycle::Setting;
 
 use super::board::{Note, Now};
-use super::library::{Functions, Library};
+use super::library::{Functions, Library, StateFunctions};
 use super::logger::{LogSink, Registration};
 use crate::failure::{Cause, Doing, Failure};
 use crate::message::LogMessage;
@@ -37,6 +37,8 @@ pub enum StepResult {
 #[derive(Debug)]
 pub struct Instance {
     functions: Functions,
+    /// Those that save and restore states, or the first that the unit lacks.
+    states: Result<StateFunctions, Call>,
     component: Component,
     note: Note,
     index: usize,

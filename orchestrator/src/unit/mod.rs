@@ -8,6 +8,7 @@
 pub mod allocations;
 pub mod archive;
 pub mod board;
+pub mod call_log;
 pub mod describe;
 pub mod error;
 pub mod exit;

@@ -203,8 +203,8 @@ impl Remote<'_> {
         // Opened anew, to read on where the process itself had read to.
         if let Ok(board) = Board::open(&self.way.address.board()) {
             board.pop_messages(|bytes| {
-                if let Ok(Message::Log(said)) = postcard::from_bytes(bytes) {
-                    (self.sink)(said);
+                if let Ok(told @ (Message::Log(_) | Message::Calls(_))) = postcard::from_bytes(bytes) {
+                    (self.sink)(told);
                 }
             });
         }

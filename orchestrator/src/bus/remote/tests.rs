@@ -62,7 +62,7 @@ fn told_by(kind: Kind, lie: Lie) -> (Result<Values, String>, usize) {
     let fleet = Arc::new(Fleet::start(&repository().join("tests/foreign/idle.sh"), [&address]).unwrap());
     let words = Arc::new(Mutex::new(0));
     let heard = Arc::clone(&words);
-    let sink: LogSink = Arc::new(move |_| *heard.lock().unwrap() += 1);
+    let sink: MessageSink = Arc::new(move |_| *heard.lock().unwrap() += 1);
     let way = Way { address: address.clone(), board, fleet, patience: Some(Duration::from_millis(400)) };
     let over = Arc::new(AtomicBool::new(false));
     let until = Arc::clone(&over);

@@ -32,6 +32,7 @@ fn plan() -> Plan {
         pace: None,
         saves: Vec::new(),
         from: None,
+        log_calls: Vec::new(),
     }
 }
 

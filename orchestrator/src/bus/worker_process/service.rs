@@ -6,7 +6,7 @@ use crate::bus::opening::{self, Aside, Company, Initial, Opening, Picked, Speake
 use crate::bus::wire::{Blocks, Header, Incoming, Kind, Malformed, Outgoing};
 use crate::child::boarding::{Gate, Passenger, enter_initialization};
 use crate::failure::{Cause, Doing, Failure};
-use crate::message::LogMessage;
+use crate::message::Message;
 use crate::plan::PlannedUnit;
 use crate::unit::archive::read_unpacked;
 use crate::unit::board::Board;
@@ -120,13 +120,15 @@ impl Service {
             units: &units,
             folder: &hold.opening.folder,
             note: self.board.note(0),
-            sink: Arc::new(move |said| spoken.say(said)),
+            step_ns: hold.opening.step_ns,
+            sink: Arc::new(move |told| spoken.say(&told)),
         };
         let passengers = hold.opening.instances.iter().map(|held| Passenger {
             index: held.index,
             name: &held.name,
             unit: held.unit,
             presets: &held.presets,
+            log_calls: held.log_calls,
         });
         let admitted = gate.admit(passengers, &mut aboard).map_err(|failure| lost(&hold.opening, failure));
         self.stage = Stage::Boarded(Box::new(hold), aboard);
@@ -155,7 +157,7 @@ impl Service {
         self.compose(order, Err(lost), said)
     }
 
-    fn compose(&self, order: Header, done: Result<Done, Lost>, said: Vec<LogMessage>) -> Vec<u8> {
+    fn compose(&self, order: Header, done: Result<Done, Lost>, said: Vec<Message>) -> Vec<u8> {
         let mut outgoing = self.reply(order);
         let aside = match done {
             Ok(Done { aside, delivered }) => {

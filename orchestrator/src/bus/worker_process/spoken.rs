@@ -17,7 +17,7 @@ pub struct Spoken {
 
 #[derive(Debug, Default)]
 struct Taken {
-    said: Vec<LogMessage>,
+    said: Vec<Message>,
     bytes: usize,
     dropped: usize,
 }
@@ -27,9 +27,9 @@ impl Spoken {
         Arc::new(Self { board, taken: Mutex::default() })
     }
 
-    /// Keeps what a unit said; any thread may.
-    pub fn say(&self, said: LogMessage) {
-        let Ok(bytes) = postcard::to_stdvec(&Message::Log(said)) else { return };
+    /// Keeps what a unit said, or a call; any thread may.
+    pub fn say(&self, told: &Message) {
+        let Ok(bytes) = postcard::to_stdvec(told) else { return };
         let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
         if !self.board.has_room_for(&bytes) {
             taken.take_from(&self.board);
@@ -38,14 +38,15 @@ impl Spoken {
     }
 
     /// Hands over all that was said.
-    pub fn take(&self) -> Vec<LogMessage> {
+    pub fn take(&self) -> Vec<Message> {
         let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
         taken.take_from(&self.board);
         let Taken { mut said, dropped, .. } = std::mem::take(&mut *taken);
-        if let Some(last) = said.last().filter(|_| dropped > 0) {
+        let last_words =
+            said.iter().rev().find_map(|told| if let Message::Log(said) = told { Some(said) } else { None });
+        if let Some(last) = last_words.filter(|_| dropped > 0).cloned() {
             let text = format!("… ({dropped} more messages of this step are left out)");
-            let more = LogMessage { text, ..last.clone() };
-            said.push(more);
+            said.push(Message::Log(LogMessage { text, ..last }));
         }
         said
     }
@@ -56,9 +57,9 @@ impl Taken {
         board.pop_messages(|bytes| {
             if self.bytes > MOST_BYTES {
                 self.dropped += 1;
-            } else if let Ok(Message::Log(said)) = postcard::from_bytes(bytes) {
+            } else if let Ok(told) = postcard::from_bytes(bytes) {
                 self.bytes += bytes.len();
-                self.said.push(said);
+                self.said.push(told);
             }
         });
     }
@@ -73,16 +74,22 @@ mod tests {
         Spoken::new(Arc::new(Board::private(&BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap()))
     }
 
-    fn said(text: String) -> LogMessage {
-        LogMessage { instance: Some(0), tick: 1, counts_at: 2, status: 0, category: String::new(), text }
+    fn said(text: String) -> Message {
+        let (instance, category) = (Some(0), String::new());
+        Message::Log(LogMessage { instance, tick: 1, counts_at: 2, status: 0, category, text })
+    }
+
+    fn texts(told: Vec<Message>) -> Vec<String> {
+        let text = |told| if let Message::Log(said) = told { Some(said.text) } else { None };
+        told.into_iter().filter_map(text).collect()
     }
 
     #[test]
     fn more_words_than_the_board_holds_are_kept_in_order() {
         let spoken = spoken();
-        let texts: Vec<_> = (0..3000).map(|i| format!("{i} {}", "x".repeat(1000))).collect();
-        texts.iter().for_each(|text| spoken.say(said(text.clone())));
-        assert!(spoken.take().into_iter().map(|said| said.text).eq(texts));
+        let expected: Vec<_> = (0..3000).map(|i| format!("{i} {}", "x".repeat(1000))).collect();
+        expected.iter().for_each(|text| spoken.say(&said(text.clone())));
+        assert!(texts(spoken.take()) == expected);
         assert_eq!(spoken.take(), []);
     }
 
@@ -90,10 +97,10 @@ mod tests {
     fn a_flood_of_words_is_cut_and_that_is_told() {
         let spoken = spoken();
         let long = "x".repeat(60_000);
-        (0..1000).for_each(|_| spoken.say(said(long.clone())));
-        let told = spoken.take();
+        (0..1000).for_each(|_| spoken.say(&said(long.clone())));
+        let told = texts(spoken.take());
         assert!(told.len() < 200, "{}", told.len());
-        let last = &told[told.len() - 1].text;
+        let last = &told[told.len() - 1];
         assert_eq!(last, &format!("… ({} more messages of this step are left out)", 1001 - told.len()));
     }
 }

@@ -3,11 +3,12 @@
 use super::{Instance, LogTap, Strings};
 use crate::failure::{Cause, Doing, Failure};
 use crate::unit::board::{Note, Now};
+use crate::unit::call_log::{CallLog, Calls, Teller};
 use crate::unit::library::{Library, undisturbed};
 use crate::unit::logger::{Environment, LOGGER, LogSink, Registration};
-use fmi2::c::{Boolean, CO_SIMULATION, CallbackFunctions, FALSE};
+use fmi2::c::{Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE};
 use fmi2::calls::Call;
-use std::ffi::CString;
+use std::ffi::{CStr, CString};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -23,6 +24,8 @@ pub struct Setting<'a> {
     pub sink: LogSink,
     /// Whether the unit should tell everything, not only what is wrong.
     pub logging_on: bool,
+    /// Where its calls are told, if they are.
+    pub calls: Option<CallLog>,
 }
 
 impl Instance {
@@ -31,7 +34,7 @@ impl Instance {
     /// # Errors
     /// The unit makes none, or may be instantiated only once in a process and was.
     pub fn instantiate(library: &Arc<Library>, setting: Setting<'_>) -> Result<Self, Failure> {
-        let Setting { name, index, note, sink, logging_on } = setting;
+        let Setting { name, index, note, sink, logging_on, calls } = setting;
         let failure = |cause| Failure {
             instance: Some(name.to_owned()),
             doing: Doing::Call(Call::Instantiate),
@@ -51,31 +54,27 @@ impl Instance {
             names: Arc::clone(&library.names),
             sink: Arc::clone(&sink),
         });
-        let callbacks = Box::new(CallbackFunctions {
-            logger: Some(LOGGER),
-            allocate_memory: Some(libc::calloc),
-            free_memory: Some(libc::free),
-            step_finished: None,
-            component_environment: registration.handle(),
-        });
+        let callbacks = callbacks(&registration);
+        let teller = calls.map(|log| Teller { log, note: note.clone(), names: Arc::clone(&library.names) });
         let now = note.at(0, 0.0);
         now.enter(index, Doing::Call(Call::Instantiate));
-        let component = undisturbed(|| {
-            let (guid, resources) = (library.guid.as_ptr(), library.resources.as_ptr());
-            let (visible, logging) = (FALSE, Boolean::from(logging_on));
-            let instantiate = library.functions.instantiate;
-            // SAFETY: the texts and the callbacks outlive the call, the callbacks the instance too.
-            unsafe {
-                instantiate(c_name.as_ptr(), CO_SIMULATION, guid, resources, &raw const *callbacks, visible, logging)
-            }
-        });
+        if let Some(teller) = &teller {
+            teller.begin(Call::Instantiate, || format!("{name:?}, loggingOn = {logging_on}"));
+        }
+        let component = call_instantiate(library, &c_name, &callbacks, logging_on);
+        if let Some(teller) = &teller {
+            teller.end(|| if component.is_null() { "NULL" } else { "an instance" }.to_owned());
+        }
         drop(now);
         if component.is_null() {
             return Err(failure(Cause::NoInstance));
         }
         library.instances.fetch_add(1, Ordering::AcqRel);
+        let unit = Calls { functions: library.functions, states: library.states, component };
+        let Calls { functions, states, component } = teller.map_or(unit, |teller| teller.interpose(unit));
         Ok(Self {
-            functions: library.functions,
+            functions,
+            states,
             component,
             note,
             index,
@@ -137,6 +136,27 @@ impl Instance {
 
     /// Frees the instance, as dropping it does.
     pub fn free(self) {}
+}
+
+fn callbacks(registration: &Registration) -> Box<CallbackFunctions> {
+    Box::new(CallbackFunctions {
+        logger: Some(LOGGER),
+        allocate_memory: Some(libc::calloc),
+        free_memory: Some(libc::free),
+        step_finished: None,
+        component_environment: registration.handle(),
+    })
+}
+
+fn call_instantiate(library: &Library, name: &CStr, callbacks: &CallbackFunctions, logging_on: bool) -> Component {
+    let (guid, resources) = (library.guid.as_ptr(), library.resources.as_ptr());
+    let (visible, logging) = (FALSE, Boolean::from(logging_on));
+    undisturbed(|| {
+        // SAFETY: the texts and the callbacks outlive the call, and whoever keeps the instance keeps the callbacks.
+        unsafe {
+            (library.functions.instantiate)(name.as_ptr(), CO_SIMULATION, guid, resources, callbacks, visible, logging)
+        }
+    })
 }
 
 impl Drop for Instance {

@@ -1,0 +1,82 @@
+//! The functions that save and restore states, with a word before and after each.
+
+use super::Logged;
+use crate::unit::library::StateFunctions;
+use fmi2::c::{Component, FmuState, RawStatus};
+use fmi2::calls::Call;
+use std::ffi::c_char;
+
+/// What stands between an instance and its unit.
+pub(super) const TABLE: StateFunctions = StateFunctions { get, set, free, serialized_size, serialize, deserialize };
+
+impl Logged {
+    /// Tells and makes a call.
+    ///
+    /// # Safety
+    /// As for [`Logged::of`], and `foreign` makes a call that the unit may get.
+    unsafe fn state_call(
+        component: Component,
+        call: Call,
+        arguments: impl FnOnce() -> String,
+        foreign: impl FnOnce(&StateFunctions, Component) -> RawStatus,
+        answer: impl FnOnce() -> String,
+    ) -> RawStatus {
+        // SAFETY: the caller says so.
+        let logged = unsafe { Self::of(component) };
+        let made = |_: &_, unit| match &logged.states {
+            Ok(states) => foreign(states, unit),
+            Err(_) => unreachable!("the table is only there if the unit has all of these functions"),
+        };
+        logged.call(call, arguments, made, answer)
+    }
+}
+
+unsafe extern "C" fn get(component: Component, state: *mut FmuState) -> RawStatus {
+    // SAFETY: `Instance` calls with its own component, and the unit gets the arguments that were meant for it.
+    unsafe {
+        Logged::state_call(component, Call::GetFmuState, String::new, |unit, to| (unit.get)(to, state), String::new)
+    }
+}
+
+unsafe extern "C" fn set(component: Component, state: FmuState) -> RawStatus {
+    // SAFETY: as in `get`.
+    unsafe {
+        Logged::state_call(component, Call::SetFmuState, String::new, |unit, to| (unit.set)(to, state), String::new)
+    }
+}
+
+unsafe extern "C" fn free(component: Component, state: *mut FmuState) -> RawStatus {
+    // SAFETY: as in `get`.
+    unsafe {
+        Logged::state_call(component, Call::FreeFmuState, String::new, |unit, to| (unit.free)(to, state), String::new)
+    }
+}
+
+unsafe extern "C" fn serialized_size(component: Component, state: FmuState, size: *mut usize) -> RawStatus {
+    // SAFETY: as in `get`; `Instance` asks with a pointer to a value.
+    unsafe {
+        let made = |unit: &StateFunctions, to| (unit.serialized_size)(to, state, size);
+        Logged::state_call(component, Call::SerializedFmuStateSize, String::new, made, || format!(", {}", *size))
+    }
+}
+
+unsafe extern "C" fn serialize(component: Component, state: FmuState, bytes: *mut c_char, size: usize) -> RawStatus {
+    // SAFETY: as in `get`.
+    unsafe {
+        let made = |unit: &StateFunctions, to| (unit.serialize)(to, state, bytes, size);
+        Logged::state_call(component, Call::SerializeFmuState, || format!("size = {size}"), made, String::new)
+    }
+}
+
+unsafe extern "C" fn deserialize(
+    component: Component,
+    bytes: *const c_char,
+    size: usize,
+    state: *mut FmuState,
+) -> RawStatus {
+    // SAFETY: as in `get`.
+    unsafe {
+        let made = |unit: &StateFunctions, to| (unit.deserialize)(to, bytes, size, state);
+        Logged::state_call(component, Call::DeSerializeFmuState, || format!("size = {size}"), made, String::new)
+    }
+}
