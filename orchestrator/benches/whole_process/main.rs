@@ -3,8 +3,7 @@
 //! `cargo bench -p orchestrator --bench whole_process` runs the built `lockstep` on chains of units of the export layer,
 //! recording nothing and everything, in turn with the hand-written loop over the same units, which itself writes nothing,
 //! or the same numbers; then `first_flight`, in one process and with a process for each instance; then the shortest runs,
-//! and what memory a worker takes; then ten times as long a flight that can be watched, and one that is, beside itself
-//! without `--live`. The one who watches is a Python program in `.venv`, which `tests/run` makes.
+//! and what memory a worker takes; then flights that can be watched, and such as are, beside themselves without `--live`. The one who watches is a Python program in `.venv`, which `tests/run` makes.
 #![expect(unsafe_code, reason = "the hand-written loop calls through raw function pointers, as it must")]
 #![expect(clippy::print_stdout, reason = "this is what a benchmark is for")]
 
@@ -137,27 +136,32 @@ fn memory_of_a_worker(script: &Path, from: &Path) -> Result<String, Box<dyn Erro
     Ok(format!("{:.1} MB resident, {own:.1} MB its own", megabytes("Rss:")))
 }
 
-/// What it costs to let others watch.
+/// What it costs to let others watch, where each tick is a round of messages anyway and where it is a few calls.
 fn watched(table: &Table, folder: &Path) -> Result<(), Box<dyn Error>> {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize()?;
     let script = folder.join("long_flight.scn");
     let flight = fs::read_to_string(repository.join("scenarios/first_flight.scn"))?;
-    fs::write(&script, flight.replace("stop 84 s", "stop 840 s"))?;
-    let unwatchable = || lockstep(&script, &repository, &[]);
-    let nobody = || alternate(BLOCKS, || lockstep(&script, &repository, &["--live"]), unwatchable);
-    table.row("nobody watches", Some(1.05), nobody)?;
-    let endpoint = format!("unixsock-stream/{}", folder.join("watch.sock").display());
-    let option = format!("--live={endpoint}");
-    let somebody = || {
-        let watcher = RefCell::new(Watcher::start(&repository, &endpoint)?);
-        let seen = || {
-            let took = lockstep(&script, &repository, &[&option])?;
-            watcher.borrow_mut().await_run()?;
-            Ok(took)
+    for (words, placement, stop) in [("", None, "stop 840 s"), (", --isolate", Some("--isolate"), "stop 84 s")] {
+        fs::write(&script, flight.replace("stop 84 s", stop))?;
+        let with = |option: Option<&str>| {
+            let arguments: Vec<_> = placement.into_iter().chain(option).collect();
+            lockstep(&script, &repository, &arguments)
         };
-        alternate(BLOCKS, seen, unwatchable)
-    };
-    table.row("one watches", Some(1.35), somebody)?;
+        let nobody = || alternate(BLOCKS, || with(Some("--live")), || with(None));
+        table.row(&format!("nobody watches{words}"), Some(1.05), nobody)?;
+        let endpoint = format!("unixsock-stream/{}", folder.join("watch.sock").display());
+        let option = format!("--live={endpoint}");
+        let somebody = || {
+            let watcher = RefCell::new(Watcher::start(&repository, &endpoint)?);
+            let seen = || {
+                let took = with(Some(&option))?;
+                watcher.borrow_mut().await_run()?;
+                Ok(took)
+            };
+            alternate(BLOCKS, seen, || with(None))
+        };
+        table.row(&format!("one watches{words}"), Some(1.35), somebody)?;
+    }
     Ok(())
 }
 
