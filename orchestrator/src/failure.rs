@@ -107,7 +107,8 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.instance {
             Some(name) => write!(f, "`{name}`")?,
-            None => f.write_str("the stepping process")?,
+            None if matches!(self.cause, Cause::Signal(_) | Cause::Exit(_)) => f.write_str("the stepping process")?,
+            None => f.write_str("the run")?,
         }
         let place = match self.doing {
             Doing::BetweenCalls => "between calls".to_owned(),

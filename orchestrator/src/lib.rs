@@ -7,7 +7,8 @@
 //! lockstep step-loop ── child: worker ── units ── step loop ── claims
 //! ```
 //!
-//! Whatever a unit does to its process, the parent still holds the rows and the last words.
+//! With `--isolate` the loop is a thread of the parent and each unit has a worker process, see [`bus`]. Whatever a unit does
+//! to its process, the parent still holds the rows and the last words.
 
 #[cfg(feature = "bus")]
 pub mod bus;
@@ -19,7 +20,9 @@ pub mod diff;
 pub mod execution;
 pub mod expression;
 pub mod failure;
+pub mod flight;
 pub mod message;
+pub mod orphan;
 pub mod plan;
 pub mod plot;
 pub mod preparation;

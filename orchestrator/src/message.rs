@@ -1,4 +1,5 @@
-//! What the stepping process tells its parent besides rows and claims, as records of the board's message ring.
+//! What a run tells besides rows and claims, as records of a board's message ring: a stepping process its parent, a loop
+//! the thread that looks after it, a worker its coordinator.
 
 use crate::failure::Failure;
 use crate::unit::board::Board;

@@ -44,6 +44,12 @@ impl Plan {
     pub fn from_s(&self) -> f64 {
         self.from.as_ref().map_or(0.0, |checkpoint| seconds(checkpoint.tick, self.scenario.step_ns))
     }
+
+    /// Whether the loop hands over rows.
+    #[must_use]
+    pub fn hands_over_rows(&self) -> bool {
+        self.record || self.live
+    }
 }
 
 /// A checkpoint that is to be made.
@@ -54,14 +60,6 @@ pub struct PlannedSave {
     /// The private file that takes it on its way to the parent.
     #[serde(with = "path_bytes")]
     pub file: PathBuf,
-}
-
-impl Plan {
-    /// Whether the loop hands over rows.
-    #[must_use]
-    pub fn hands_over_rows(&self) -> bool {
-        self.record || self.live
-    }
 }
 
 /// A unit, unpacked by the parent.

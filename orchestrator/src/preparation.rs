@@ -5,6 +5,7 @@ mod checkpoints;
 pub use checkpoints::CheckpointWishes;
 
 use crate::catalogue::Catalogue;
+use crate::orphan::HOME_PREFIX;
 use crate::plan::{Plan, PlannedSave, PlannedUnit};
 use crate::report::{error_text, status};
 use crate::script::Script;
@@ -24,8 +25,6 @@ use tempfile::TempDir;
 
 /// How many findings about one unit a run mentions.
 const FINDINGS_TOLD: usize = 3;
-/// How the name of a run's private folder begins.
-const HOME_PREFIX: &str = "lockstep-";
 
 /// What a run is asked for besides its script.
 #[derive(Clone, Debug)]
@@ -130,15 +129,6 @@ pub fn prepare(mut script: Script, wanted: Wanted) -> Result<Preparation, Refusa
 fn planned_saves(saving: &Saving, home: &Path) -> Vec<PlannedSave> {
     let ticks: BTreeSet<_> = saving.files.iter().map(|(tick, _)| *tick).collect();
     ticks.into_iter().map(|tick| PlannedSave { tick, file: home.join(format!("checkpoint{tick}")) }).collect()
-}
-
-/// Takes away the private folder of a run whose owner was killed. Several processes may do so at once.
-pub fn remove_home(home: &Path) {
-    let name = home.file_name().map(|name| name.to_string_lossy().into_owned());
-    if name.is_some_and(|name| name.starts_with(HOME_PREFIX)) {
-        // What another one has removed meanwhile is no concern.
-        std::fs::remove_dir_all(home).ok();
-    }
 }
 
 fn unit_of(units: &[PlannedUnit], name: &str) -> usize {

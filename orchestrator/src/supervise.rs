@@ -102,7 +102,7 @@ fn look_after<W: Write>(
         if let Some(cause) = over {
             return run.conclude(cause, drained.err());
         }
-        let busy = drained.map_err(|error| SuperviseError::unwritten(run.failure.take(), error))?;
+        let busy = drained.map_err(|error| run.give_up(error))?;
         for _ in signals.pending() {
             run.interrupt(&mut stepping);
         }
@@ -213,6 +213,8 @@ impl<'a, W: Write> Supervision<'a, W> {
             Message::Saved(tick) => return self.keep(tick),
             Message::Calls(piece) => return self.recorder.add_call(piece.instance, &piece.bytes),
             Message::Finished(finish) => self.finish = Some(finish),
+            // What breaks when the user ends everything is no news.
+            Message::Broken(_) if self.interrupts > 1 => {}
             Message::Broken(failure) => self.failure = Some(failure),
         }
         Ok(())
@@ -231,11 +233,18 @@ impl<'a, W: Write> Supervision<'a, W> {
         fs::remove_file(&save.file).map_err(TraceError::io("remove", &save.file))
     }
 
+    /// A file cannot be written, so the run ends; rows that wait to be written to others are, as far as that can be.
+    fn give_up(&mut self, error: TraceError) -> SuperviseError {
+        self.recorder.save().ok();
+        SuperviseError::unwritten(self.failure.take(), error)
+    }
+
     /// Tells which checkpoints the run did not come to.
     fn tell_unsaved(&mut self, last_tick: u64) {
         let time = |tick| shortest_decimal(seconds(tick, self.plan.scenario.step_ns));
         for (tick, file) in self.saving.files.iter().filter(|(tick, _)| !self.kept.contains(tick)) {
-            let why = if last_tick > *tick {
+            let came_there = last_tick > *tick || (self.failure.is_some() && last_tick == *tick);
+            let why = if came_there {
                 format!("a step that was under way at {} s failed", time(*tick))
             } else {
                 format!("the run ended at {} s and was to be saved at {} s", time(last_tick), time(*tick))

@@ -5,8 +5,8 @@ use dsl::scenario::{
     BooleanExpression, Column, Connection, Drive, Event, Instance, Port, Preset, Scenario, Set, Value,
 };
 use fmi2::calls::Call;
-use orchestrator::child;
 use orchestrator::failure::{Cause, Doing};
+use orchestrator::flight;
 use orchestrator::message::{Finish, Message, Reason};
 use orchestrator::plan::{Plan, PlannedUnit};
 use orchestrator::unit::archive::unpack;
@@ -98,7 +98,7 @@ fn fly(scenario: Scenario, foreign: &Foreign) -> Flown {
         log_calls: vec![],
     };
     let board = Arc::new(Board::private(&layout).unwrap());
-    child::fly(&plan, &board);
+    flight::fly(&plan, &board);
     let (mut rows, mut messages) = (Vec::new(), Vec::new());
     board.pop_rows(|_, row| rows.push(row.to_vec()));
     board.pop_messages(|bytes| messages.push(postcard::from_bytes::<Message>(bytes).unwrap()));

@@ -118,7 +118,24 @@ fn a_second_ctrl_c_ends_workers_that_do_not_come_back() {
     signal("INT", flight.id());
     let said = ended(&mut flight, &workers);
     assert_eq!(said.code, Some(130), "{}", said.err);
-    assert_eq!(state(&folder.path().join("runs/long")), "interrupted");
+    let out = folder.path().join("runs/long");
+    assert_eq!(state(&out), "interrupted");
+    let verdict: serde_json::Value = serde_json::from_slice(&fs::read(out.join("verdict.json")).unwrap()).unwrap();
+    assert_eq!(verdict["end"], "interrupted");
+    assert!(!said.err.contains("error: "), "what breaks when the user ends everything is no news: {}", said.err);
+}
+
+#[test]
+fn a_folder_whose_name_no_socket_can_have_is_told_before_anything_starts() {
+    let folder = hangar(&[], "short.scn", &LONG.replace("100000 s", "10 ms"));
+    let long = folder.path().join("x".repeat(90));
+    fs::create_dir(&long).unwrap();
+    let mut command = tests::program::command(folder.path(), &["run", "short.scn", "--isolate"]);
+    let said = Said::from(command.env("TMPDIR", &long).output().unwrap());
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    let error = said.err.lines().find(|line| line.starts_with("error: ")).unwrap();
+    assert!(error.starts_with("error: cannot start the workers: ") && error.contains("set TMPDIR"), "{}", said.err);
+    assert_eq!(fs::read_dir(&long).unwrap().count(), 0);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The workers of a run: a process for each instance, started together and led into initialization mode together.
 
 use super::fleet::Fleet;
+use super::link::endpoint;
 use super::remote::{Remote, Way};
 use super::run_name::run_name;
 use super::worker_process::Address;
@@ -30,6 +31,9 @@ impl Crew {
     /// A process cannot be started, or its board not be made.
     pub fn start(program: &Path, home: &Path, count: usize, patience: Option<Duration>) -> io::Result<Self> {
         let addresses: Vec<_> = (0..count).map(|number| Address { home: home.to_owned(), number }).collect();
+        for address in &addresses {
+            endpoint(&address.socket()).map_err(io::Error::other)?;
+        }
         let layout = BoardLayout { notes: 1, columns: 0, claims: 0 };
         let boards = addresses.iter().map(|address| Board::create(&address.board(), &layout));
         let boards = boards.collect::<io::Result<Vec<_>>>()?;
@@ -51,7 +55,7 @@ impl Crew {
     /// wiring gives to each worker the instances of its number; `sink` hears what units say.
     ///
     /// # Errors
-    /// The first in the script's order that could not be brought so far; all others are told to go.
+    /// The first in the script's order that could not be brought so far; others are told to go, if they were reached.
     pub fn enlist<'a>(
         self,
         plan: &'a Plan,

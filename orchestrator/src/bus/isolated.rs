@@ -2,8 +2,8 @@
 
 use super::crew::Crew;
 use super::fleet::Fleet;
-use crate::child::{fly_with, told};
 use crate::failure::Cause;
+use crate::flight::{fly_with, told};
 use crate::supervise::{Orders, Stepping};
 use crate::unit::board::Board;
 use std::io;

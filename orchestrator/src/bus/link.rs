@@ -1,10 +1,12 @@
 //! The link between the coordinator and one worker: a zenoh session at each end, one key there and one back.
 //!
-//! Callbacks only hand over what they got; whoever waits does so in a thread of its own. zenoh's own error texts name
-//! places in its sources, so none of them is shown.
+//! Callbacks only hand over what they got; whoever waits does so in a thread of its own.
 
+use super::reasons::without_source_places;
 use std::fmt::Write;
 use std::path::Path;
+#[cfg(test)]
+use std::sync::mpsc::RecvTimeoutError;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 use zenoh::bytes::ZBytes;
@@ -14,11 +16,15 @@ use zenoh::qos::{CongestionControl, Priority};
 use zenoh::sample::{Sample, SampleKind};
 use zenoh::{Config, Session, Wait};
 
-/// The longest message. A longer one would disappear without a word.
-pub const LONGEST_MESSAGE: usize = 16 << 20;
+/// The longest message; states of units are the longest. A longer one would disappear without a word.
+pub const LONGEST_MESSAGE: usize = 64 << 20;
 /// How long a lively end may be silent. Both ends are on this host: the socket of a dead one closes at once, and a run
 /// that somebody suspends must go on afterwards, so this is longer than anybody's pause.
 const LEASE_MS: u64 = 24 * 3600 * 1000;
+/// How long a coordinator waits for room in the buffers towards a worker, which then is frozen.
+const COORDINATOR_PATIENCE_US: u64 = 4_000_000;
+/// How long a worker waits for room towards its coordinator, which may be suspended; if it is gone the link is too.
+const WORKER_PATIENCE_US: u64 = LEASE_MS * 1000;
 /// How long closing may take.
 const FAREWELL: Duration = Duration::from_secs(1);
 /// Said by a worker once orders reach it.
@@ -44,6 +50,12 @@ pub struct Link {
     heard: Receiver<Heard>,
 }
 
+impl Drop for Link {
+    fn drop(&mut self) {
+        close(&self.session);
+    }
+}
+
 /// The worker's end before the coordinator called.
 #[derive(Debug)]
 pub struct Listening {
@@ -55,10 +67,10 @@ pub struct Listening {
 }
 
 impl Link {
-    /// Calls the worker that listens on a socket.
+    /// Calls the worker that listens on a socket, once.
     ///
     /// # Errors
-    /// What could not be done.
+    /// What could not be done within this time.
     pub fn dial(socket: &Path, run: &str, patience: Duration) -> Result<Self, String> {
         let connect = format!(
             "connect: {{ endpoints: [{}], timeout_ms: {}, exit_on_failure: true, \
@@ -66,7 +78,8 @@ impl Link {
             endpoint(socket)?,
             patience.as_millis()
         );
-        let session = open("client", &connect).ok_or_else(|| "its worker cannot be reached".to_owned())?;
+        let session = open("client", &connect, COORDINATOR_PATIENCE_US)
+            .map_err(|reason| format!("its worker cannot be reached: {reason}"))?;
         let (sender, heard) = channel();
         let replies = subscribe(&session, &format!("lockstep/{run}/done"), message_to(&sender));
         let ready = move |sample: Sample| {
@@ -97,11 +110,6 @@ impl Link {
     pub fn heard(&self) -> &Receiver<Heard> {
         &self.heard
     }
-
-    /// Hangs up.
-    pub fn close(self) {
-        close(self.session);
-    }
 }
 
 impl Listening {
@@ -111,7 +119,8 @@ impl Listening {
     /// What could not be done.
     pub fn on(socket: &Path) -> Result<Self, String> {
         let listen = format!("listen: {{ endpoints: [{}], exit_on_failure: true }}", endpoint(socket)?);
-        let session = open("peer", &listen).ok_or_else(|| format!("cannot listen on {}", socket.display()))?;
+        let session = open("peer", &listen, WORKER_PATIENCE_US)
+            .map_err(|reason| format!("cannot listen on {}: {reason}", socket.display()))?;
         let (sender, calls) = channel();
         let call = move |sample: Sample| {
             let _ = sender.send((sample.key_expr().to_string(), sample.payload().clone()));
@@ -124,14 +133,22 @@ impl Listening {
         }
     }
 
-    /// Waits for a message, and says which run it is of.
+    /// Waits for a message, and says which run it is of. Any time may pass: a coordinator may be suspended, and one that is
+    /// gone closes standard input.
     ///
     /// # Errors
-    /// Nobody called within this time.
-    pub fn next(&self, patience: Duration) -> Result<(String, ZBytes), String> {
-        let (key, message) = self.calls.recv_timeout(patience).map_err(|_| "nobody called".to_owned())?;
-        let run = key.strip_prefix("lockstep/").and_then(|rest| rest.strip_suffix("/do")).unwrap_or_default();
-        Ok((run.to_owned(), message))
+    /// None can come any more.
+    pub fn next(&self) -> Result<(String, ZBytes), String> {
+        self.calls.recv().map(named).map_err(|_| "the link is broken".to_owned())
+    }
+
+    /// The same, but not for longer than this.
+    ///
+    /// # Errors
+    /// None came.
+    #[cfg(test)]
+    pub fn next_within(&self, patience: Duration) -> Result<(String, ZBytes), RecvTimeoutError> {
+        self.calls.recv_timeout(patience).map(named)
     }
 
     /// The way back to the coordinator of a run.
@@ -145,8 +162,14 @@ impl Listening {
     /// Hangs up.
     pub fn close(self) {
         drop(self.subscription);
-        close(self.session);
+        close(&self.session);
     }
+}
+
+/// A message with the name of the run that its key tells.
+fn named((key, message): (String, ZBytes)) -> (String, ZBytes) {
+    let run = key.strip_prefix("lockstep/").and_then(|rest| rest.strip_suffix("/do")).unwrap_or_default();
+    (run.to_owned(), message)
 }
 
 fn message_to(sender: &Sender<Heard>) -> impl Fn(Sample) + Send + Sync + 'static + use<> {
@@ -181,23 +204,27 @@ fn publish(session: &Session, key: String) -> Option<Publisher<'static>> {
 }
 
 /// A session that speaks to whom it is told to, and looks for nobody.
-fn open(mode: &str, place: &str) -> Option<Session> {
+fn open(mode: &str, place: &str, patience_us: u64) -> Result<Session, String> {
     let mut text = format!("{{ mode: \"{mode}\", {place}, ");
     let _ = write!(
         text,
         "scouting: {{ multicast: {{ enabled: false }}, gossip: {{ enabled: false }} }}, \
          timestamping: {{ enabled: false }}, transport: {{ unicast: {{ max_sessions: 1 }}, \
-         link: {{ tx: {{ lease: {LEASE_MS}, keep_alive: 4 }}, rx: {{ max_message_size: {} }} }} }} }}",
+         link: {{ tx: {{ lease: {LEASE_MS}, keep_alive: 4, queue: {{ congestion_control: {{ block: \
+         {{ wait_before_close: {patience_us} }} }} }} }}, rx: {{ max_message_size: {} }} }} }} }}",
         LONGEST_MESSAGE + 1024
     );
     match Config::from_json5(&text) {
-        Ok(config) => zenoh::open(config).wait().ok(),
+        Ok(config) => zenoh::open(config).wait().map_err(|error| without_source_places(&error.to_string())),
         Err(error) => unreachable!("zenoh does not know its own settings: {error}"),
     }
 }
 
 /// A socket as zenoh names it.
-fn endpoint(socket: &Path) -> Result<String, String> {
+///
+/// # Errors
+/// It has a name that no socket can have.
+pub fn endpoint(socket: &Path) -> Result<String, String> {
     /// What the system takes for the path of a socket, with room for what zenoh appends for its lock.
     const LONGEST: usize = 100;
     let path = socket.to_str().filter(|path| path.len() <= LONGEST && !path.contains(['?', '#', ';', '=', '"', '\\']));
@@ -208,8 +235,9 @@ fn endpoint(socket: &Path) -> Result<String, String> {
 }
 
 /// Closes a session in a thread, so that nothing is waited for too long.
-fn close(session: Session) {
+fn close(session: &Session) {
     let (done, closed) = channel();
+    let session = session.clone();
     std::thread::spawn(move || {
         let _ = session.close().wait();
         let _ = done.send(());

@@ -16,6 +16,7 @@ mod fleet;
 mod isolated;
 mod link;
 mod opening;
+mod reasons;
 mod remote;
 mod run_name;
 pub mod watch;

@@ -1,6 +1,6 @@
 //! What is said besides blocks: who calls whom, which instances a worker holds, what a reply tells in words.
 
-use crate::message::Message;
+use crate::message::{LONGEST_PIECE, Message};
 use crate::plan::path_bytes;
 use crate::values::{Slot, Values};
 use crate::wiring::Pick;
@@ -13,6 +13,9 @@ use std::path::PathBuf;
 
 /// The version of everything that travels.
 pub const PROTOCOL: u32 = 1;
+
+/// What is said at once has no more bytes.
+const MOST_WORDS: usize = 256 << 10;
 
 /// Who speaks; JSON, so that every version can read that of every other.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -211,6 +214,23 @@ impl Aside {
     pub fn read(bytes: &[u8]) -> Option<Self> {
         if bytes.is_empty() { Some(Self::default()) } else { read(bytes) }
     }
+
+    /// Whether a worker that holds these instances may say this: words and calls of theirs, no longer than a board takes,
+    /// and nothing of others.
+    #[must_use]
+    pub fn is_of(&self, holds: impl Fn(usize) -> bool) -> bool {
+        let its_own = |told: &Message| match told {
+            Message::Log(said) => {
+                said.instance.is_none_or(&holds) && said.text.len() + said.category.len() <= MOST_WORDS
+            }
+            Message::Calls(piece) => holds(piece.instance) && piece.bytes.len() <= LONGEST_PIECE,
+            Message::Saved(_) | Message::Finished(_) | Message::Broken(_) => false,
+        };
+        let lost = self.lost.as_ref();
+        self.said.iter().all(its_own)
+            && self.terminated.iter().all(|ended| holds(ended.instance))
+            && lost.is_none_or(|lost| holds(lost.instance) && bytes(lost).len() <= MOST_WORDS)
+    }
 }
 
 /// What goes along with a message, as bytes.
@@ -231,6 +251,8 @@ pub fn read<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Option<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::failure::{Cause, Doing, Failure};
+    use crate::message::{CallPiece, Finish, LogMessage, Reason};
 
     #[test]
     fn another_protocol_version_or_target_is_told_apart() {
@@ -275,6 +297,31 @@ mod tests {
         assert_eq!(Aside::read(&bytes), Some(aside));
         bytes.push(0);
         assert_eq!(Aside::read(&bytes), None);
+    }
+
+    #[test]
+    fn a_worker_speaks_for_its_own_instances_only() {
+        let holds = |instance| instance == 3;
+        let said = |instance, length| {
+            let (category, text) = (String::new(), "x".repeat(length));
+            Message::Log(LogMessage { instance, tick: 0, counts_at: 0, status: 0, category, text })
+        };
+        let saying = |told| Aside { said: vec![told], ..Aside::default() };
+        let calls = |instance| Message::Calls(CallPiece { instance, bytes: Vec::new() });
+        for its_own in [said(Some(3), 9), said(None, 9), calls(3)] {
+            assert!(saying(its_own).is_of(holds));
+        }
+        let finished = Message::Finished(Finish { last_tick: 0, reason: Reason::StopTime });
+        for other in [said(Some(2), 9), said(Some(3), MOST_WORDS + 1), calls(2), Message::Saved(1), finished] {
+            assert!(!saying(other).is_of(holds));
+        }
+        let ended = Terminated { instance: 99, last_successful_time_s: 0.0 };
+        assert!(!Aside { terminated: vec![ended], ..Aside::default() }.is_of(holds));
+        let (doing, cause) = (Doing::BetweenCalls, Cause::Other("x".repeat(MOST_WORDS)));
+        let lost = |instance, cause| Lost { instance, failure: Failure { instance: None, doing, time_s: None, cause } };
+        assert!(Aside { lost: Some(lost(3, Cause::Signal(9))), ..Aside::default() }.is_of(holds));
+        assert!(!Aside { lost: Some(lost(2, Cause::Signal(9))), ..Aside::default() }.is_of(holds));
+        assert!(!Aside { lost: Some(lost(3, cause)), ..Aside::default() }.is_of(holds));
     }
 
     proptest::proptest! {

@@ -104,12 +104,7 @@ impl<'a> Remote<'a> {
             early: BTreeMap::new(),
             dead: None,
         };
-        let link = remote.await_socket().and_then(|()| {
-            let dialled = Link::dial(&remote.way.address.socket(), run, START_DEADLINE);
-            dialled.map_err(|reason| remote.lost(0, Cause::Other(reason)).failure)
-        });
-        remote.link = Some(link?);
-        remote.await_ready()?;
+        remote.call(run)?;
         Ok(remote)
     }
 
@@ -177,7 +172,8 @@ impl<'a> Remote<'a> {
     /// What is lost with this worker, told of its first instance unless its board knows better.
     fn lost(&self, tick: u64, cause: Cause) -> Lost {
         let first = self.members.first().map_or(0, |&(index, _)| index);
-        let call = self.way.board.note(0).read();
+        let call =
+            self.way.board.note(0).read().filter(|call| self.members.iter().any(|(index, _)| *index == call.instance));
         let mut failure = failure(call, tick, &self.plan.scenario, cause);
         let instance = call.map_or(first, |call| call.instance);
         let name = self.plan.scenario.instances.get(instance).map(|instance| instance.name.clone());
@@ -262,9 +258,7 @@ impl Worker for Remote<'_> {
         }
         let asked = self.ask(Kind::Finish, tick, &[])?;
         let finished = self.agree(asked);
-        if let Some(link) = self.link.take() {
-            link.close();
-        }
+        self.link = None;
         finished
     }
 }

@@ -1,8 +1,8 @@
-//! What travels: messages as bytes, little endian, read by a total function that never asks for more memory than it got.
+//! What travels: messages as bytes, little endian, read by total functions; header and blocks need no memory but their own.
 //!
 //! ```text
 //!  0 u32 "LKS1"   4 u16 kind   6 u16 group   8 u64 schema   16 u64 sequence   24 u64 tick   32 u32 blocks   36 u32 aside
-//! block: u32 instance · u32 status · u32 n_real · u32 n_int · u32 n_bool · u32 n_string
+//! block: u32 instance · u32 zero · u32 n_real · u32 n_int · u32 n_bool · u32 n_string
 //!        f64 × n_real · i32 × n_int · u8 × n_bool, 0 or 1 · zeros up to 8 · n_string × (u32 length, UTF-8) · zeros up to 8
 //! aside: so many bytes at the end, what an order or reply says besides its blocks
 //! ```
@@ -192,8 +192,10 @@ pub enum Malformed {
     },
     /// A block has other numbers of values than the instance has ports.
     Counts(usize),
-    /// A status that the standard does not know.
-    Status(u32),
+    /// The worker has no such group.
+    Group(u16),
+    /// A word that must be zero is not.
+    Reserved(u32),
     /// A Boolean that is neither 0 nor 1.
     Boolean(u8),
     /// A text that is no UTF-8.
@@ -215,7 +217,8 @@ impl fmt::Display for Malformed {
             }
             Self::Instance { expected, found: None } => write!(f, "no values of instance {expected}"),
             Self::Counts(instance) => write!(f, "other numbers of values than instance {instance} has"),
-            Self::Status(status) => write!(f, "status {status}, which FMI 2.0 does not know"),
+            Self::Group(group) => write!(f, "a step of group {group}, which it does not have"),
+            Self::Reserved(word) => write!(f, "{word} where zero belongs"),
             Self::Boolean(value) => write!(f, "a Boolean of {value}"),
             Self::Text => f.write_str("a text that is no UTF-8"),
             Self::LeftOver => f.write_str("more than was asked for"),

@@ -52,6 +52,11 @@ impl Run {
         Self { home, plan, saving: Saving::default(), board }
     }
 
+    fn orders(&self, program: &str) -> Orders<'_> {
+        let (program, placement) = (PathBuf::from(program), Placement::Together);
+        Orders { plan: &self.plan, saving: &self.saving, program, step_timeout: None, placement }
+    }
+
     fn rows(&self, count: u64) {
         for tick in 0..count {
             self.board.set_tick(tick);
@@ -74,13 +79,7 @@ impl Run {
         let mut recorder = Recorder::default();
         recorder.begin_rows(&folder, self.plan.scenario.step_ns, &signals).unwrap();
         let mut console = Console::new(Vec::new(), Style::Tenths);
-        let orders = Orders {
-            plan: &self.plan,
-            saving: &self.saving,
-            program: PathBuf::new(),
-            step_timeout: None,
-            placement: Placement::Together,
-        };
+        let orders = self.orders("");
         let mut supervision = Supervision::new(&orders, &self.board, recorder, None, &mut console);
         supervision.drain().unwrap();
         let ended = supervision.conclude(cause_of_death(ExitStatus::from_raw(status)), None).unwrap();
@@ -132,13 +131,7 @@ fn an_audience_is_told_every_row_also_where_none_is_written() {
     let run = Run::new();
     run.rows(3);
     let (mut seats, mut console) = (Seats::default(), Console::new(Vec::new(), Style::Tenths));
-    let orders = Orders {
-        plan: &run.plan,
-        saving: &run.saving,
-        program: PathBuf::new(),
-        step_timeout: None,
-        placement: Placement::Together,
-    };
+    let orders = run.orders("");
     Supervision::new(&orders, &run.board, Recorder::default(), Some(&mut seats), &mut console).drain().unwrap();
     assert_eq!(seats.rows, [0, 1, 2].map(|tick| (tick, (tick as f64).to_bits())));
 }
@@ -147,13 +140,7 @@ fn an_audience_is_told_every_row_also_where_none_is_written() {
 fn an_audience_is_told_that_a_run_begins() {
     let run = Run::new();
     let mut seats = Seats::default();
-    let orders = Orders {
-        plan: &run.plan,
-        saving: &run.saving,
-        program: Path::new("/bin/true").to_owned(),
-        step_timeout: None,
-        placement: Placement::Together,
-    };
+    let orders = run.orders("/bin/true");
     supervise(&orders, Recorder::default(), Some(&mut seats), &mut Console::new(Vec::new(), Style::Tenths)).unwrap();
     assert!(seats.begun);
 }
@@ -196,13 +183,7 @@ fn what_the_run_says_about_its_break_counts_more_than_how_its_process_ended() {
 fn a_death_is_kept_when_the_last_rows_cannot_be_written() {
     let run = Run::new();
     let mut console = Console::new(Vec::new(), Style::Tenths);
-    let orders = Orders {
-        plan: &run.plan,
-        saving: &run.saving,
-        program: PathBuf::new(),
-        step_timeout: None,
-        placement: Placement::Together,
-    };
+    let orders = run.orders("");
     let supervision = Supervision::new(&orders, &run.board, Recorder::default(), None, &mut console);
     let full = TraceError::io("write", Path::new("trace.csv"))(io::ErrorKind::StorageFull.into());
     let error = supervision.conclude(Cause::Signal(DIED_OF_SIGSEGV), Some(full)).unwrap_err();
@@ -234,13 +215,7 @@ fn what_units_say_is_printed_in_order() {
 #[test]
 fn a_program_that_ends_at_once_breaks_the_run() {
     let run = Run::new();
-    let orders = Orders {
-        plan: &run.plan,
-        saving: &run.saving,
-        program: Path::new("/bin/true").to_owned(),
-        step_timeout: None,
-        placement: Placement::Together,
-    };
+    let orders = run.orders("/bin/true");
     let mut console = Console::new(Vec::new(), Style::Tenths);
     let ended = supervise(&orders, Recorder::default(), None, &mut console).unwrap();
     assert_eq!(ended.failure.unwrap().to_string(), "the stepping process ended (exit code 0) between calls at 0 s");
@@ -249,13 +224,7 @@ fn a_program_that_ends_at_once_breaks_the_run() {
 #[test]
 fn a_program_that_cannot_be_started_is_an_error() {
     let run = Run::new();
-    let orders = Orders {
-        plan: &run.plan,
-        saving: &run.saving,
-        program: PathBuf::from("/no/such/program"),
-        step_timeout: None,
-        placement: Placement::Together,
-    };
+    let orders = run.orders("/no/such/program");
     let error = supervise(&orders, Recorder::default(), None, &mut Console::new(Vec::new(), Style::Tenths))
         .unwrap_err()
         .to_string();

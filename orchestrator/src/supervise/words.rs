@@ -17,7 +17,7 @@ pub(super) struct Words {
 impl Words {
     /// Takes what a unit said. What belongs to no instance comes last of its tick.
     pub fn hear(&mut self, said: LogMessage) {
-        self.bytes += said.text.len();
+        self.bytes += size(&said);
         self.heard += 1;
         self.waiting.insert((said.counts_at, said.instance.unwrap_or(usize::MAX), self.heard), said);
     }
@@ -26,7 +26,7 @@ impl Words {
     pub fn before(&mut self, tick: u64) -> impl Iterator<Item = LogMessage> + use<> {
         let later = self.waiting.split_off(&(tick, 0, 0));
         let told = std::mem::replace(&mut self.waiting, later);
-        self.bytes -= told.values().map(|said| said.text.len()).sum::<usize>();
+        self.bytes -= told.values().map(size).sum::<usize>();
         told.into_values()
     }
 
@@ -40,6 +40,13 @@ impl Words {
     pub fn are_many(&self) -> bool {
         self.bytes > MOST_BYTES
     }
+}
+
+/// Bytes that a message takes while it waits.
+fn size(said: &LogMessage) -> usize {
+    /// Of the message itself and of its place in order.
+    const AROUND: usize = 128;
+    said.text.len() + said.category.len() + AROUND
 }
 
 #[cfg(test)]

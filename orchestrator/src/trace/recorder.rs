@@ -50,10 +50,9 @@ impl Recorder {
     pub fn record(&mut self, tick: u64, slots: &[u64]) -> Result<(), TraceError> {
         let Some(Rows { csv, parquet }) = &mut self.rows else { return Ok(()) };
         csv.record(tick, slots)?;
-        parquet.record(tick, slots).or_else(|error| {
-            // The run ends by this error; the rows so far stay readable.
-            csv.save()?;
-            Err(error)
+        parquet.record(tick, slots).inspect_err(|_| {
+            // The run ends by this error; the rows so far stay readable, if that can be.
+            csv.save().ok();
         })
     }
 
@@ -71,8 +70,8 @@ impl Recorder {
     /// # Errors
     /// If the system refuses to write; the error names the file.
     pub fn save(&mut self) -> Result<(), TraceError> {
-        self.calls.iter_mut().try_for_each(|(_, log)| log.save())?;
-        self.rows.as_mut().map_or(Ok(()), |rows| rows.csv.save())
+        let rows = self.rows.as_mut().map_or(Ok(()), |rows| rows.csv.save());
+        self.calls.iter_mut().map(|(_, log)| log.save()).fold(rows, Result::and)
     }
 
     /// Ends the files and gives them their final names.
@@ -80,10 +79,8 @@ impl Recorder {
     /// # Errors
     /// If the system refuses to write or to rename; the error names the file.
     pub fn finish(self) -> Result<(), TraceError> {
-        self.calls.into_iter().try_for_each(|(_, log)| log.finish())?;
-        let Some(Rows { csv, parquet }) = self.rows else { return Ok(()) };
-        csv.finish()?;
-        parquet.finish()
+        let rows = self.rows.map_or(Ok(()), |Rows { csv, parquet }| csv.finish().and(parquet.finish()));
+        self.calls.into_iter().map(|(_, log)| log.finish()).fold(rows, Result::and)
     }
 }
 

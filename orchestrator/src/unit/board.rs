@@ -1,10 +1,11 @@
-//! The board: memory that a run's stepping process and its parent both map, so that last words outlive a crash.
+//! The board: memory that a process with units and the one that looks after it both map, so that last words outlive a crash.
 //!
 //! ```text
 //! header │ call notes, one for each stepping thread │ claims │ ring of rows │ ring of messages
 //! ```
 //!
-//! The stepping process writes, the parent reads; only the flags and the rings' read positions go the other way. All of
+//! The process with units writes, the other reads; only the flags and the rings' read positions go the other way. (A worker
+//! takes its own words back to send them along; the other reads what it left when it died.) All of
 //! it is words that both sides touch through atomics only, so whatever a unit scribbles over the board the parent reads
 //! numbers, and every number that it uses as a place or a length it checks first.
 
@@ -110,7 +111,7 @@ impl Board {
         Ok(board)
     }
 
-    /// A board in this process's own memory, for runs that nobody watches over.
+    /// A board in this process's own memory, where the loop runs in a thread of it or nobody looks after the run.
     ///
     /// # Errors
     /// There is not enough memory.

@@ -132,7 +132,7 @@ impl Worker for InProcess {
 
     fn order(&mut self, order: &Order<'_>) -> Result<Ticket, Lost> {
         let team = &mut self.teams[order.group];
-        let due_tick = order.tick + team.every;
+        let due_tick = order.tick.saturating_add(team.every);
         let now = self.note.counting_at(order.tick, seconds(order.tick, self.step_ns), due_tick);
         for seat in &mut self.seats[team.seats.clone()] {
             match seat.set(&now, order.inputs).and_then(|()| seat.instance.do_step(&now, team.step_s)) {

@@ -1,7 +1,7 @@
 //! Awaiting the answers of a worker, and telling what became of one that gives none.
 
 use super::{Asked, Remote, START_DEADLINE};
-use crate::bus::link::Heard;
+use crate::bus::link::{Heard, Link};
 use crate::bus::opening::{Aside, Speaker};
 use crate::bus::wire::{Blocks, Header, Incoming, Malformed};
 use crate::failure::{Cause, Failure};
@@ -17,6 +17,8 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 use zenoh::bytes::ZBytes;
 
+/// How long one attempt to reach a process may take.
+const DIAL: Duration = Duration::from_secs(2);
 /// How often somebody who waits looks around.
 const LOOK: Duration = Duration::from_millis(50);
 /// How often somebody who waits for a process to come up looks.
@@ -27,13 +29,30 @@ const SIGN_OF_LIFE: Duration = Duration::from_secs(2);
 const LAST_BREATH: Duration = Duration::from_secs(1);
 
 impl Remote<'_> {
+    /// Calls the process until it answers.
+    pub(super) fn call(&mut self, run: &str) -> Result<(), Failure> {
+        self.await_socket()?;
+        let mut patience = Watchdog::new(START_DEADLINE);
+        let socket = self.way.address.socket();
+        loop {
+            let began = Instant::now();
+            match Link::dial(&socket, run, DIAL) {
+                Ok(link) => {
+                    self.link = Some(link);
+                    return self.await_ready();
+                }
+                // One attempt counts whole: somebody who is suspended meanwhile is given another.
+                Err(reason) => self.alive_at_start(&mut patience, began.elapsed(), &reason)?,
+            }
+        }
+    }
+
     /// Waits until the process listens.
-    pub(super) fn await_socket(&mut self) -> Result<(), Failure> {
+    fn await_socket(&mut self) -> Result<(), Failure> {
         let mut patience = Watchdog::new(START_DEADLINE);
         let mut looked = Instant::now();
-        // What zenoh leaves beside the socket is there a moment before the socket.
         while !is_there(&self.way.address.socket()) {
-            self.alive_at_start(&mut patience, looked.elapsed())?;
+            self.alive_at_start(&mut patience, looked.elapsed(), "")?;
             looked = Instant::now();
             sleep(LOOK_AT_START);
         }
@@ -41,7 +60,7 @@ impl Remote<'_> {
     }
 
     /// Waits until orders reach the process.
-    pub(super) fn await_ready(&mut self) -> Result<(), Failure> {
+    fn await_ready(&mut self) -> Result<(), Failure> {
         let mut patience = Watchdog::new(START_DEADLINE);
         loop {
             let began = Instant::now();
@@ -50,17 +69,19 @@ impl Remote<'_> {
                 Ok(Heard::Gone) | Err(RecvTimeoutError::Disconnected) => return Err(self.died(0).failure),
                 Ok(Heard::Message(_)) | Err(RecvTimeoutError::Timeout) => {}
             }
-            self.alive_at_start(&mut patience, began.elapsed())?;
+            self.alive_at_start(&mut patience, began.elapsed(), "")?;
         }
     }
 
-    fn alive_at_start(&mut self, patience: &mut Watchdog<()>, since: Duration) -> Result<(), Failure> {
+    /// Whether there is a reason to go on waiting; `reason` is what went wrong so far.
+    fn alive_at_start(&mut self, patience: &mut Watchdog<()>, since: Duration, reason: &str) -> Result<(), Failure> {
         let number = self.way.address.number;
         if self.way.fleet.is_abandoned() || self.way.fleet.ended(number).is_some() {
             return Err(self.died(0).failure);
         }
         if patience.bites(since, Some(())) {
-            let text = format!("its worker did not come up within {} s", START_DEADLINE.as_secs());
+            let colon = if reason.is_empty() { "" } else { ": " };
+            let text = format!("its worker did not come up within {} s{colon}{reason}", START_DEADLINE.as_secs());
             return Err(self.give_up(0, Cause::Other(text)).failure);
         }
         Ok(())
@@ -96,7 +117,8 @@ impl Remote<'_> {
     pub(super) fn overrun(&mut self, asked: Asked) -> Result<(), Lost> {
         let message = self.hear(asked.header)?;
         let message = message.to_bytes();
-        if let Some(aside) = Incoming::read(&message).ok().and_then(|message| Aside::read(message.aside)) {
+        let aside = Incoming::read(&message).ok().and_then(|message| Aside::read(message.aside));
+        if let Some(aside) = aside.filter(|aside| aside.is_of(|index| self.holds(index))) {
             aside.said.into_iter().for_each(|said| (self.sink)(said));
         }
         Ok(())
@@ -116,10 +138,17 @@ impl Remote<'_> {
             return Speaker::this().agrees_with(&speaker).map(|()| Aside::default());
         }
         let mut aside = Aside::read(aside).ok_or_else(|| told(Malformed::Aside))?;
-        std::mem::take(&mut aside.said).into_iter().for_each(|said| (self.sink)(said));
-        if aside.lost.is_none() {
-            take(&self.members, &mut blocks).map_err(told)?;
+        if !aside.is_of(|index| self.holds(index)) {
+            return Err("its worker spoke for others".to_owned());
         }
+        std::mem::take(&mut aside.said).into_iter().for_each(|said| (self.sink)(said));
+        if aside.lost.is_some() {
+            return Ok(aside);
+        }
+        if header.schema != self.schema {
+            return Err("its worker has another layout of values: the unit is not the one that was checked".to_owned());
+        }
+        take(&self.members, &mut blocks).map_err(told)?;
         blocks.end().map_err(told)?;
         Ok(aside)
     }
@@ -138,10 +167,11 @@ impl Remote<'_> {
         if reply.group != order.group {
             return differ("group", reply.group.into(), order.group.into());
         }
-        if reply.schema != self.schema {
-            return Err("its worker has another layout of values: the unit is not the one that was checked".to_owned());
-        }
         Ok(())
+    }
+
+    fn holds(&self, instance: usize) -> bool {
+        self.members.iter().any(|(index, _)| *index == instance)
     }
 
     /// Waits for the reply to an order.
@@ -192,8 +222,12 @@ impl Remote<'_> {
 
     /// The process is gone, or about to be: how it ended, and what its units said last.
     fn died(&mut self, tick: u64) -> Lost {
-        let ended = self.way.fleet.ends_within(self.way.address.number, LAST_BREATH);
-        let cause = ended.map_or_else(|| Cause::Other("its worker hung up".to_owned()), cause_of_death);
+        let pulse = self.way.board.pulse();
+        let cause = match self.way.fleet.ends_within(self.way.address.number, LAST_BREATH) {
+            Some(status) => cause_of_death(status),
+            None if self.way.board.pulse() == pulse => Cause::Silent(LAST_BREATH.as_secs_f64()),
+            None => Cause::Other("its worker hung up".to_owned()),
+        };
         self.give_up(tick, cause)
     }
 

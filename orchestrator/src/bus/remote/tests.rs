@@ -3,9 +3,10 @@
 use super::*;
 use crate::bus::link::{Listening, put};
 use crate::bus::worker_process::{Service, Spoken};
-use crate::child::tests::plan;
+use crate::flight::tests::plan;
 use crate::unit::archive::unpack;
 use crate::unit::board::BoardLayout;
+use crate::worker::Terminated;
 use ::tests::foreign::Foreign;
 use ::tests::program::repository;
 use std::sync::Mutex;
@@ -19,11 +20,21 @@ const TICK: u64 = 7;
 /// Where things stand in a message.
 const SEQUENCE_AT: usize = 16;
 const TICK_AT: usize = 24;
+const ASIDE_AT: usize = 36;
 const FIRST_BLOCK_AT: usize = 40;
 
 fn changed(mut bytes: Vec<u8>, at: usize, to: u8) -> Option<Vec<u8>> {
     bytes[at] = to;
     Some(bytes)
+}
+
+/// Says that an instance is done for good that is not there.
+fn speak_for_others(bytes: Vec<u8>) -> Option<Vec<u8>> {
+    let ended = Terminated { instance: 99, last_successful_time_s: 0.0 };
+    let aside = Aside { terminated: vec![ended], ..Aside::default() }.bytes();
+    let mut message = changed(bytes, ASIDE_AT, u8::try_from(aside.len()).unwrap())?;
+    message.extend(aside);
+    Some(message)
 }
 
 /// Answers as a worker does, but lies in answers of this kind.
@@ -33,12 +44,12 @@ fn serve(address: &Address, kind: Kind, lie: Lie, over: &AtomicBool) {
     let line = Listening::on(&address.socket()).unwrap();
     let mut answers = None;
     while !over.load(Ordering::Acquire) {
-        let Ok((run, order)) = line.next(Duration::from_millis(20)) else { continue };
+        let Ok((run, order)) = line.next_within(Duration::from_millis(20)) else { continue };
         board.beat();
         let answers = answers.get_or_insert_with(|| line.answer(&run).unwrap());
         let order = order.to_bytes();
         let asked = crate::bus::wire::Incoming::read(&order).unwrap().header.kind;
-        let answer = service.answer(&order).unwrap().unwrap();
+        let answer = service.answer(&order).unwrap();
         let told = if asked.reply() == Some(kind) { lie(answer) } else { Some(answer) };
         if let Some(told) = told {
             put(answers, told).unwrap();
@@ -104,7 +115,7 @@ fn an_honest_worker_brings_the_outputs_and_the_words_of_its_unit() {
 
 #[test]
 fn every_lie_of_a_worker_is_told_with_instance_and_time() {
-    let lies: [(Kind, Lie, &str); 12] = [
+    let lies: [(Kind, Lie, &str); 13] = [
         (
             Kind::Stepped,
             |_| Some(b"garbage".to_vec()),
@@ -155,6 +166,7 @@ fn every_lie_of_a_worker_is_told_with_instance_and_time() {
             |bytes| Some(String::from_utf8_lossy(&bytes).replace("\"protocol\":1", "\"protocol\":9").into_bytes()),
             "`a`: its worker has protocol 9, this program 1, at 0 s",
         ),
+        (Kind::Stepped, speak_for_others, "`a`: its worker spoke for others, at 0.007 s"),
         (Kind::Finished, |_| Some(Vec::new()), "`a`: its worker answered with a message that is cut short, at 0.008 s"),
     ];
     for (kind, lie, expected) in lies {

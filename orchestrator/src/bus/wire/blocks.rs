@@ -3,7 +3,6 @@
 use super::{Malformed, length};
 use crate::values::Values;
 use crate::wiring::Ports;
-use fmi2::c::{RawStatus, Status};
 
 /// The blocks of a received message, read one after the other.
 #[derive(Debug)]
@@ -17,9 +16,8 @@ pub struct Blocks<'a> {
 pub(super) fn write(bytes: &mut Vec<u8>, instance: usize, ports: &Ports, values: &Values) {
     let (reals, integers) = (&values.reals[ports.reals.range()], &values.integers[ports.integers.range()]);
     let (booleans, texts) = (&values.booleans[ports.booleans.range()], &values.texts[ports.texts.range()]);
-    let ok = Status::Ok as u32;
     for number in
-        [length(instance), ok].into_iter().chain([reals.len(), integers.len(), booleans.len(), texts.len()].map(length))
+        [length(instance), 0].into_iter().chain([reals.len(), integers.len(), booleans.len(), texts.len()].map(length))
     {
         bytes.extend(number.to_le_bytes());
     }
@@ -66,9 +64,9 @@ impl<'a> Blocks<'a> {
         if found as usize != instance {
             return Err(Malformed::Instance { expected: instance, found: Some(found) });
         }
-        let status = self.word()?;
-        if RawStatus::try_from(status).ok().and_then(Status::from_raw).is_none() {
-            return Err(Malformed::Status(status));
+        let reserved = self.word()?;
+        if reserved != 0 {
+            return Err(Malformed::Reserved(reserved));
         }
         for span in [&ports.reals, &ports.integers, &ports.booleans, &ports.texts] {
             if self.word()? as usize != span.references.len() {

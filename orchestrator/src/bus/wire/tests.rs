@@ -144,7 +144,7 @@ fn each_lie_of_a_message_has_its_name() {
     assert_eq!(read(&changed(4, 99), 2, [1, 0, 1, 0]), Err(Malformed::Kind(99)));
     assert_eq!(read(&changed(BLOCKS_AT, 0), 2, [1, 0, 1, 0]), Err(Malformed::Instance { expected: 2, found: None }));
     assert_eq!(read(&changed(BLOCKS_AT, 2), 2, [1, 0, 1, 0]), Err(Malformed::LeftOver));
-    assert_eq!(read(&changed(HEADER_BYTES + 4, 9), 2, [1, 0, 1, 0]), Err(Malformed::Status(9)));
+    assert_eq!(read(&changed(HEADER_BYTES + 4, 9), 2, [1, 0, 1, 0]), Err(Malformed::Reserved(9)));
     assert_eq!(read(&changed(HEADER_BYTES + 32, 2), 2, [1, 0, 1, 0]), Err(Malformed::Boolean(2)));
     assert_eq!(read(&changed(HEADER_BYTES + 33, 1), 2, [1, 0, 1, 0]), Err(Malformed::LeftOver));
     assert_eq!(read(&good[..HEADER_BYTES - 1], 2, [1, 0, 1, 0]), Err(Malformed::Short));

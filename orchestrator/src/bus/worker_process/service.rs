@@ -4,8 +4,8 @@ use super::Spoken;
 use crate::bus::link::LONGEST_MESSAGE;
 use crate::bus::opening::{self, Aside, Company, Initial, Opening, Picked, Speaker};
 use crate::bus::wire::{Blocks, Header, Incoming, Kind, Malformed, Outgoing};
-use crate::child::boarding::{Gate, Passenger, enter_initialization};
 use crate::failure::{Cause, Doing, Failure};
+use crate::flight::boarding::{Gate, Passenger, enter_initialization};
 use crate::message::Message;
 use crate::plan::PlannedUnit;
 use crate::unit::archive::read_unpacked;
@@ -57,15 +57,15 @@ impl Service {
         matches!(self.stage, Stage::Over)
     }
 
-    /// Does what a message says, and answers it; `None` if there is nothing to answer any more.
+    /// Does what a message says, and answers it.
     ///
     /// # Errors
     /// The message makes no sense: whoever sent it is not to be served.
-    pub fn answer(&mut self, message: &[u8]) -> Result<Option<Vec<u8>>, String> {
+    pub fn answer(&mut self, message: &[u8]) -> Result<Vec<u8>, String> {
         let Incoming { header, mut blocks, aside } = Incoming::read(message).map_err(|said| said.to_string())?;
         let stage = std::mem::replace(&mut self.stage, Stage::Over);
         let done = match (stage, header.kind) {
-            (Stage::Silent, Kind::Hello) => return self.greet(header, aside).map(Some),
+            (Stage::Silent, Kind::Hello) => return self.greet(header, aside),
             (Stage::Greeted, Kind::Open) => {
                 let opening = opening::read(aside).ok_or_else(|| Malformed::Aside.to_string())?;
                 self.open(opening)
@@ -89,7 +89,7 @@ impl Service {
             (_, kind) => return Err(format!("a message {kind:?} at the wrong time")),
         };
         blocks.end().map_err(|said| said.to_string())?;
-        Ok(Some(self.tell(header, done)))
+        Ok(self.tell(header, done))
     }
 
     fn greet(&mut self, header: Header, aside: &[u8]) -> Result<Vec<u8>, String> {
@@ -191,7 +191,10 @@ impl Done {
 impl Hold {
     /// `None` if it names variables or instances that are not there.
     fn new(opening: Opening, descriptions: &[&ModelDescription]) -> Option<Self> {
-        let count = opening.instances.iter().map(|held| held.index + 1).max().unwrap_or(0);
+        /// More instances than any scenario has.
+        const TOO_MANY: usize = 1 << 20;
+        let last = opening.instances.iter().map(|held| held.index).max();
+        let count = last.map_or(Some(0), |last| last.checked_add(1).filter(|&count| count <= TOO_MANY))?;
         let mut hold = Self {
             members: vec![Member::default(); count],
             inputs: Values::default(),
@@ -200,6 +203,9 @@ impl Hold {
         };
         for held in &hold.opening.instances {
             let description = descriptions.get(held.unit)?;
+            if held.presets.iter().any(|preset| preset.variable >= description.variables.len()) {
+                return None;
+            }
             let member = &mut hold.members[held.index];
             member.inputs = Ports::place(&held.inputs, description, &mut hold.inputs)?;
             member.outputs = Ports::place(&held.outputs, description, &mut hold.outputs)?;
@@ -280,7 +286,7 @@ impl Hold {
     ) -> Result<Result<Done, Lost>, Malformed> {
         let group = usize::from(header.group);
         let Some(Company { every, instances }) = self.opening.groups.get(group) else {
-            return Err(Malformed::LeftOver);
+            return Err(Malformed::Group(header.group));
         };
         for &index in instances {
             blocks.read(index, &self.members[index].inputs, &mut self.inputs)?;
@@ -302,4 +308,68 @@ fn lost(opening: &Opening, mut failure: Failure) -> Lost {
     let held = named.or(opening.instances.first());
     failure.instance = failure.instance.or_else(|| held.map(|held| held.name.clone()));
     Lost { instance: held.map_or(0, |held| held.index), failure }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bus::opening::bytes;
+    use crate::unit::board::BoardLayout;
+    use proptest::prelude::*;
+
+    fn greeted() -> Service {
+        let board = Arc::new(Board::private(&BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap());
+        let mut service = Service::new(Arc::clone(&board), Spoken::new(board));
+        let hello = Outgoing::new(&header(Kind::Hello)).finish(&serde_json::to_vec(&Speaker::this()).unwrap());
+        service.answer(&hello).unwrap();
+        service
+    }
+
+    fn header(kind: Kind) -> Header {
+        Header { kind, group: 0, schema: 0, sequence: 0, tick: u64::MAX }
+    }
+
+    #[test]
+    fn what_comes_at_the_wrong_time_is_not_served() {
+        for kind in [Kind::Hello, Kind::Start, Kind::Step, Kind::Save, Kind::Initialise] {
+            assert!(greeted().answer(&Outgoing::new(&header(kind)).finish(&[])).is_err(), "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn instances_without_number_or_unit_are_not_held() {
+        let held = |index, unit| opening::Held {
+            index,
+            name: "a".to_owned(),
+            unit,
+            presets: Vec::new(),
+            log_calls: false,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+        };
+        for instance in [held(usize::MAX, 0), held(1 << 40, 0), held(0, 7)] {
+            let (folder, units, groups) = (std::path::PathBuf::new(), Vec::new(), Vec::new());
+            let opening = Opening { step_ns: 1, folder, units, instances: vec![instance], groups };
+            let mut service = greeted();
+            let answer = service.answer(&Outgoing::new(&header(Kind::Open)).finish(&bytes(&opening))).unwrap();
+            assert_eq!(Incoming::read(&answer).unwrap().header.schema, 0, "a layout that cannot be has no number");
+            assert!(service.is_over());
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_comes_is_answered_or_refused(
+            aside in prop::collection::vec(any::<u8>(), 0..60), kind in 0..8_usize, raw: bool,
+        ) {
+            let kinds = [
+                Kind::Hello, Kind::Open, Kind::Initialise, Kind::Start, Kind::Step, Kind::Finish, Kind::Save, Kind::Restore,
+            ];
+            let message = if raw { aside } else { Outgoing::new(&header(kinds[kind])).finish(&aside) };
+            // Neither panics, and what is answered is a message.
+            if let Ok(answer) = greeted().answer(&message) {
+                prop_assert!(Incoming::read(&answer).is_ok());
+            }
+        }
+    }
 }

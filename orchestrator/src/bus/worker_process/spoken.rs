@@ -4,7 +4,7 @@ use crate::message::{LogMessage, Message};
 use crate::unit::board::Board;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// One reply takes no more bytes of words than these; the rest is dropped, and how much that was is told.
+/// One reply takes no more bytes of words than these; the rest is dropped, and how much that was is told. Calls are never.
 const MOST_BYTES: usize = 8 << 20;
 
 /// Words that wait for a reply.
@@ -55,11 +55,14 @@ impl Spoken {
 impl Taken {
     fn take_from(&mut self, board: &Board) {
         board.pop_messages(|bytes| {
-            if self.bytes > MOST_BYTES {
-                self.dropped += 1;
-            } else if let Ok(told) = postcard::from_bytes(bytes) {
-                self.bytes += bytes.len();
-                self.said.push(told);
+            match postcard::from_bytes(bytes) {
+                Ok(Message::Log(_)) if self.bytes > MOST_BYTES => self.dropped += 1,
+                Ok(told) => {
+                    self.bytes += bytes.len();
+                    self.said.push(told);
+                }
+                // A unit scribbled on the board.
+                Err(_) => self.dropped += 1,
             }
         });
     }
