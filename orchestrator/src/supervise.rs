@@ -243,11 +243,11 @@ impl<'a, W: Write> Supervision<'a, W> {
     fn tell_unsaved(&mut self, last_tick: u64) {
         let time = |tick| shortest_decimal(seconds(tick, self.plan.scenario.step_ns));
         for (tick, file) in self.saving.files.iter().filter(|(tick, _)| !self.kept.contains(tick)) {
-            let came_there = last_tick > *tick || (self.failure.is_some() && last_tick == *tick);
-            let why = if came_there {
+            let ended = if self.failure.is_some() { "broke" } else { "ended" };
+            let why = if last_tick > *tick {
                 format!("a step that was under way at {} s failed", time(*tick))
             } else {
-                format!("the run ended at {} s and was to be saved at {} s", time(last_tick), time(*tick))
+                format!("the run {ended} at {} s and was to be saved at {} s", time(last_tick), time(*tick))
             };
             self.console.say(&format!("warning: {} was not saved: {why}", file.display()));
         }

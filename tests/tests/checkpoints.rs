@@ -310,7 +310,7 @@ fn a_unit_that_promised_too_much_breaks_the_run_and_is_named() {
         let said = run(folder.path(), &["run", "a.scn", "--save-at", "500ms", "to"]);
         assert_eq!(said.code, Some(3), "{}", said.err);
         assert!(said.err.contains(&format!("error: `a`: {words}\n")), "{}", said.err);
-        assert!(said.err.contains("warning: to was not saved: the run ended at 0.5 s"), "{}", said.err);
+        assert!(said.err.contains("warning: to was not saved: the run broke at 0.5 s"), "{}", said.err);
         assert!(!folder.path().join("to").exists());
     }
 }
