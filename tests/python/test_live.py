@@ -124,8 +124,9 @@ def assert_as_in_trace(messages, instance, rows):
             assert bits(value) == bits(row[f"{instance}.{variable}"]), (message["tick"], variable)
 
 
-def test_a_sample_of_the_rows_is_seen_bit_for_bit_and_the_last_row_always(launch, watch):
-    flight = launch("--live", "--pace", "1")
+@pytest.mark.parametrize("placement", [(), ("--isolate",)])
+def test_a_sample_of_the_rows_is_seen_bit_for_bit_and_the_last_row_always(launch, watch, placement):
+    flight = launch("--live", "--pace", "1", *placement)
     watcher = watch(flight.address)
     until(lambda: len(watcher.values("quad")) >= 30)
     flight.interrupt()

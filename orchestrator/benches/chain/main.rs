@@ -11,14 +11,13 @@
 #[expect(dead_code, reason = "shared with the other benchmarks")]
 mod peer;
 
-use dsl::scenario::{Connection, Drive, Instance as Planned, Port, Scenario};
 use orchestrator::claims::{Claims, Standing};
 use orchestrator::step_loop::{Checkpoint, StepLoop, Wishes, Witness};
 use orchestrator::unit::board::Board;
 use orchestrator::wiring::Wiring;
 use orchestrator::worker::{InProcess, Seating, Worker};
 use peer::table::{Row, Table, alternate};
-use peer::{STEP_NS, Unit, told};
+use peer::{Unit, told};
 use std::error::Error;
 use std::time::{Duration, Instant};
 
@@ -49,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn by_loop(unit: &Unit, units: usize, ticks: u64) -> Result<Duration, Box<dyn Error>> {
-    let scenario = scenario(unit, units, ticks);
+    let scenario = unit.linked(units, ticks, (1..units).map(|target| (target - 1, target)));
     let wiring = Wiring::new(&scenario, &vec![&unit.description; units], &vec![0; units]);
     let claims = Claims::new(&[], ticks, &mut |port| wiring.place(port));
     let seatings = unit.instances(units)?.into_iter().enumerate();
@@ -62,36 +61,6 @@ fn by_loop(unit: &Unit, units: usize, ticks: u64) -> Result<Duration, Box<dyn Er
     let took = begun.elapsed();
     assert_eq!(finish.map_err(told)?.last_tick, ticks, "the run of the benchmark is complete");
     Ok(took)
-}
-
-fn scenario(unit: &Unit, units: usize, ticks: u64) -> Scenario {
-    let instance = |index| Planned {
-        name: format!("unit{index}"),
-        unit: "chain".to_owned(),
-        every: 1,
-        wave: 0,
-        presets: Vec::new(),
-    };
-    let link = |target: usize| {
-        unit.inputs.iter().zip(&unit.outputs).map(move |(&input, &output)| Connection {
-            target: Port { instance: target, variable: input },
-            source: Drive::Copy(Port { instance: target - 1, variable: output }),
-            direct: false,
-        })
-    };
-    Scenario {
-        title: "A chain".to_owned(),
-        step_ns: STEP_NS,
-        stop_tick: ticks,
-        parameters: Vec::new(),
-        instances: (0..units).map(instance).collect(),
-        initialization: Vec::new(),
-        connections: (1..units).flat_map(link).collect(),
-        events: Vec::new(),
-        rises: Vec::new(),
-        claims: Vec::new(),
-        columns: Vec::new(),
-    }
 }
 
 /// As in a run, the tick and the wish to stop stand on a board; nothing is recorded.

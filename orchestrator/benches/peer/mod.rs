@@ -5,6 +5,7 @@ pub mod table;
 
 pub use make::packed;
 
+use dsl::scenario::{Connection, Drive, Instance as Planned, Port, Scenario};
 use fmi2::description::{Causality, ModelDescription};
 use orchestrator::failure::Failure;
 use orchestrator::unit::archive::unpack;
@@ -22,6 +23,8 @@ use tempfile::TempDir;
 /// The communication step of all benchmarks.
 pub const STEP_NS: u64 = 1_000_000;
 
+/// What scenarios call the unit.
+pub const UNIT: &str = "linked";
 /// The folder of the unpacked unit.
 const UNPACKED: &str = "unit";
 
@@ -79,6 +82,37 @@ impl Unit {
             Ok(instance)
         };
         (0..count).map(make).collect::<Result<_, Failure>>().map_err(told)
+    }
+
+    /// So many instances for so many ticks, all outputs of a source linked to all inputs of its target by `->`.
+    pub fn linked(&self, count: usize, ticks: u64, links: impl Iterator<Item = (usize, usize)>) -> Scenario {
+        let instance = |index| Planned {
+            name: format!("unit{index}"),
+            unit: UNIT.to_owned(),
+            every: 1,
+            wave: 0,
+            presets: Vec::new(),
+        };
+        let link = |(source, target): (usize, usize)| {
+            self.inputs.iter().zip(&self.outputs).map(move |(&input, &output)| Connection {
+                target: Port { instance: target, variable: input },
+                source: Drive::Copy(Port { instance: source, variable: output }),
+                direct: false,
+            })
+        };
+        Scenario {
+            title: "Linked".to_owned(),
+            step_ns: STEP_NS,
+            stop_tick: ticks,
+            parameters: Vec::new(),
+            instances: (0..count).map(instance).collect(),
+            initialization: Vec::new(),
+            connections: links.flat_map(link).collect(),
+            events: Vec::new(),
+            rises: Vec::new(),
+            claims: Vec::new(),
+            columns: Vec::new(),
+        }
     }
 
     /// Steps a chain by one set, one step and one get for each unit and tick, on plain arrays.

@@ -12,7 +12,6 @@ mod echo;
 #[expect(unsafe_code, reason = "another benchmark's hand-written loop stands there")]
 mod peer;
 
-use dsl::scenario::{Connection, Drive, Instance as Planned, Port, Scenario};
 use echo::Echoes;
 use orchestrator::bus::Crew;
 use orchestrator::message::MessageSink;
@@ -20,7 +19,7 @@ use orchestrator::plan::{Plan, PlannedUnit};
 use orchestrator::wiring::Wiring;
 use orchestrator::worker::{Leaving, Order, Worker};
 use peer::table::{Table, alternate};
-use peer::{STEP_NS, Unit, told};
+use peer::{Unit, told};
 use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
@@ -116,36 +115,10 @@ impl<'a> Rounds<'a> {
 
 /// So many instances whose inputs and outputs all travel.
 fn plan(unit: &Unit, count: usize) -> Plan {
-    let instance = |index| Planned {
-        name: format!("unit{index}"),
-        unit: "echo".to_owned(),
-        every: 1,
-        wave: 0,
-        presets: Vec::new(),
-    };
     // Each is fed by the next, the last by the first.
-    let link = |target: usize| {
-        unit.inputs.iter().zip(&unit.outputs).map(move |(&input, &output)| Connection {
-            target: Port { instance: target, variable: input },
-            source: Drive::Copy(Port { instance: (target + 1) % count, variable: output }),
-            direct: false,
-        })
-    };
-    let scenario = Scenario {
-        title: "Rounds".to_owned(),
-        step_ns: STEP_NS,
-        stop_tick: u64::MAX,
-        parameters: Vec::new(),
-        instances: (0..count).map(instance).collect(),
-        initialization: Vec::new(),
-        connections: (0..count).flat_map(link).collect(),
-        events: Vec::new(),
-        rises: Vec::new(),
-        claims: Vec::new(),
-        columns: Vec::new(),
-    };
+    let scenario = unit.linked(count, u64::MAX, (0..count).map(|target| ((target + 1) % count, target)));
     let (description, sha256) = (unit.description.clone(), String::new());
-    let units = vec![PlannedUnit { name: "echo".to_owned(), folder: unit.folder(), description, sha256 }];
+    let units = vec![PlannedUnit { name: peer::UNIT.to_owned(), folder: unit.folder(), description, sha256 }];
     let (folder, board) = (unit.folder(), unit.folder().join("board"));
     Plan {
         scenario,

@@ -17,8 +17,9 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 use zenoh::bytes::ZBytes;
 
-/// How long one attempt to reach a process may take.
+/// How long one attempt to reach a process may take, and how many there are: between two it is seen whether it lives.
 const DIAL: Duration = Duration::from_secs(2);
+const DIALS: usize = 15;
 /// How often somebody who waits looks around.
 const LOOK: Duration = Duration::from_millis(50);
 /// How often somebody who waits for a process to come up looks.
@@ -32,19 +33,19 @@ impl Remote<'_> {
     /// Calls the process until it answers.
     pub(super) fn call(&mut self, run: &str) -> Result<(), Failure> {
         self.await_socket()?;
-        let mut patience = Watchdog::new(START_DEADLINE);
         let socket = self.way.address.socket();
-        loop {
-            let began = Instant::now();
+        let mut refused = String::new();
+        for _ in 0..DIALS {
             match Link::dial(&socket, run, DIAL) {
                 Ok(link) => {
                     self.link = Some(link);
                     return self.await_ready();
                 }
-                // One attempt counts whole: somebody who is suspended meanwhile is given another.
-                Err(reason) => self.alive_at_start(&mut patience, began.elapsed(), &reason)?,
+                Err(reason) => refused = reason,
             }
+            self.must_live()?;
         }
+        Err(self.give_up(0, Cause::Other(refused)).failure)
     }
 
     /// Waits until the process listens.
@@ -52,7 +53,7 @@ impl Remote<'_> {
         let mut patience = Watchdog::new(START_DEADLINE);
         let mut looked = Instant::now();
         while !is_there(&self.way.address.socket()) {
-            self.alive_at_start(&mut patience, looked.elapsed(), "")?;
+            self.is_expected(&mut patience, looked.elapsed())?;
             looked = Instant::now();
             sleep(LOOK_AT_START);
         }
@@ -69,19 +70,24 @@ impl Remote<'_> {
                 Ok(Heard::Gone) | Err(RecvTimeoutError::Disconnected) => return Err(self.died(0).failure),
                 Ok(Heard::Message(_)) | Err(RecvTimeoutError::Timeout) => {}
             }
-            self.alive_at_start(&mut patience, began.elapsed(), "")?;
+            self.is_expected(&mut patience, began.elapsed())?;
         }
     }
 
-    /// Whether there is a reason to go on waiting; `reason` is what went wrong so far.
-    fn alive_at_start(&mut self, patience: &mut Watchdog<()>, since: Duration, reason: &str) -> Result<(), Failure> {
+    /// Whether the process lives.
+    fn must_live(&mut self) -> Result<(), Failure> {
         let number = self.way.address.number;
         if self.way.fleet.is_abandoned() || self.way.fleet.ended(number).is_some() {
             return Err(self.died(0).failure);
         }
+        Ok(())
+    }
+
+    /// Whether the process may still come up, `since` after the last look.
+    fn is_expected(&mut self, patience: &mut Watchdog<()>, since: Duration) -> Result<(), Failure> {
+        self.must_live()?;
         if patience.bites(since, Some(())) {
-            let colon = if reason.is_empty() { "" } else { ": " };
-            let text = format!("its worker did not come up within {} s{colon}{reason}", START_DEADLINE.as_secs());
+            let text = format!("its worker did not come up within {} s", START_DEADLINE.as_secs());
             return Err(self.give_up(0, Cause::Other(text)).failure);
         }
         Ok(())
