@@ -59,6 +59,8 @@ pub struct Remote<'a> {
     under_way: BTreeMap<usize, Asked>,
     /// Replies that came before they were awaited, by the number of their order.
     early: BTreeMap<u64, ZBytes>,
+    /// The last sign of life, and how long had been waited for all workers then.
+    pulse: (u64, Duration),
     dead: Option<Lost>,
 }
 
@@ -102,6 +104,7 @@ impl<'a> Remote<'a> {
             orders: 0,
             under_way: BTreeMap::new(),
             early: BTreeMap::new(),
+            pulse: (0, Duration::ZERO),
             dead: None,
         };
         remote.call(run)?;
@@ -162,6 +165,7 @@ impl<'a> Remote<'a> {
     }
 
     fn send(&mut self, header: Header, message: Vec<u8>) -> Result<Asked, Lost> {
+        self.pulse = (self.way.board.pulse(), self.way.fleet.waited());
         let sent = self.link.as_ref().map_or_else(|| Err("its worker hung up".to_owned()), |link| link.send(message));
         match sent {
             Ok(()) => Ok(Asked { header }),

@@ -189,7 +189,6 @@ impl Remote<'_> {
             return Ok(early);
         }
         let mut calls = self.way.patience.map(Watchdog::new);
-        let mut pulse = self.way.patience.map(|_| Watchdog::new(SIGN_OF_LIFE));
         loop {
             let began = Instant::now();
             match self.listen(LOOK) {
@@ -216,10 +215,21 @@ impl Remote<'_> {
                 let silent = || Cause::Other(format!("its worker has not answered for {limit_s} s"));
                 return Err(self.give_up(order.tick, call.map_or_else(silent, |_| Cause::Hung(limit_s))));
             }
-            if pulse.as_mut().is_some_and(|dog| dog.bites(since, Some(self.way.board.pulse()))) {
+            self.way.fleet.wait(since);
+            if self.way.patience.is_some() && self.is_frozen() {
                 return Err(self.give_up(order.tick, Cause::Silent(SIGN_OF_LIFE.as_secs_f64())));
             }
         }
+    }
+
+    /// Whether the process has given no sign of life for too long since it was last sent something, also while others were
+    /// waited for: many that froze together are missed together.
+    fn is_frozen(&mut self) -> bool {
+        let (pulse, waited) = (self.way.board.pulse(), self.way.fleet.waited());
+        if pulse != self.pulse.0 {
+            self.pulse = (pulse, waited);
+        }
+        waited - self.pulse.1 >= SIGN_OF_LIFE
     }
 
     fn is_awaited(&self, sequence: u64) -> bool {
