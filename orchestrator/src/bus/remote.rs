@@ -4,6 +4,7 @@
 //! life. Of a process that died or hangs its board still tells in which call that was.
 
 mod answers;
+mod pulse;
 #[cfg(test)]
 mod tests;
 
@@ -20,6 +21,7 @@ use crate::unit::board::Board;
 use crate::values::Values;
 use crate::wiring::{Member, Pick, Wiring};
 use crate::worker::{Leaving, Lost, Order, Reply, Ticket, Worker};
+use pulse::Pulse;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -59,8 +61,7 @@ pub struct Remote<'a> {
     under_way: BTreeMap<usize, Asked>,
     /// Replies that came before they were awaited, by the number of their order.
     early: BTreeMap<u64, ZBytes>,
-    /// The last sign of life, and how long had been waited for all workers then.
-    pulse: (u64, Duration),
+    pulse: Pulse,
     dead: Option<Lost>,
 }
 
@@ -104,7 +105,7 @@ impl<'a> Remote<'a> {
             orders: 0,
             under_way: BTreeMap::new(),
             early: BTreeMap::new(),
-            pulse: (0, Duration::ZERO),
+            pulse: Pulse::default(),
             dead: None,
         };
         remote.call(run)?;
@@ -165,7 +166,7 @@ impl<'a> Remote<'a> {
     }
 
     fn send(&mut self, header: Header, message: Vec<u8>) -> Result<Asked, Lost> {
-        self.pulse = (self.way.board.pulse(), self.way.fleet.waited());
+        self.pulse = Pulse { count: self.way.board.pulse(), since: self.way.fleet.waited() };
         let sent = self.link.as_ref().map_or_else(|| Err("its worker hung up".to_owned()), |link| link.send(message));
         match sent {
             Ok(()) => Ok(Asked { header }),

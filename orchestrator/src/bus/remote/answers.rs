@@ -1,5 +1,6 @@
 //! Awaiting the answers of a worker, and telling what became of one that gives none.
 
+use super::pulse::SIGN_OF_LIFE;
 use super::{Asked, Remote, START_DEADLINE};
 use crate::bus::link::{Heard, Link};
 use crate::bus::opening::{Aside, Speaker};
@@ -24,8 +25,6 @@ const DIALS: usize = 15;
 const LOOK: Duration = Duration::from_millis(50);
 /// How often somebody who waits for a process to come up looks.
 const LOOK_AT_START: Duration = Duration::from_millis(2);
-/// A process that gives no sign of life for so long is frozen.
-const SIGN_OF_LIFE: Duration = Duration::from_secs(2);
 /// How long a process whose link is gone may take to end.
 const LAST_BREATH: Duration = Duration::from_secs(1);
 
@@ -216,20 +215,11 @@ impl Remote<'_> {
                 return Err(self.give_up(order.tick, call.map_or_else(silent, |_| Cause::Hung(limit_s))));
             }
             self.way.fleet.wait(since);
-            if self.way.patience.is_some() && self.is_frozen() {
+            let (pulse, waited) = (self.way.board.pulse(), self.way.fleet.waited());
+            if self.way.patience.is_some() && self.pulse.is_frozen(pulse, waited) {
                 return Err(self.give_up(order.tick, Cause::Silent(SIGN_OF_LIFE.as_secs_f64())));
             }
         }
-    }
-
-    /// Whether the process has given no sign of life for too long since it was last sent something, also while others were
-    /// waited for: many that froze together are missed together.
-    fn is_frozen(&mut self) -> bool {
-        let (pulse, waited) = (self.way.board.pulse(), self.way.fleet.waited());
-        if pulse != self.pulse.0 {
-            self.pulse = (pulse, waited);
-        }
-        waited - self.pulse.1 >= SIGN_OF_LIFE
     }
 
     fn is_awaited(&self, sequence: u64) -> bool {
