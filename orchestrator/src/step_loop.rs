@@ -18,9 +18,10 @@ use crate::expression::Moment;
 use crate::failure::Failure;
 use crate::message::{Finish, Reason};
 use crate::values::Values;
-use crate::wiring::Wiring;
+use crate::wiring::{Wave, Wiring};
 use crate::worker::{Leaving, Order, Terminated, Worker};
 use gather::UnderWay;
+use std::ops::Range;
 
 /// What a run may be told besides its scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -153,6 +154,7 @@ impl<'a, W: Witness> StepLoop<'a, W> {
     }
 
     /// Windows close, then open.
+    #[inline]
     fn take_events(&mut self, tick: u64) {
         while let Some(change) = self.wiring.changes.get(self.next_change).filter(|change| change.tick <= tick) {
             self.wiring.overrides[change.group][change.target].take(change.effect);
@@ -172,19 +174,31 @@ impl<'a, W: Witness> StepLoop<'a, W> {
 
     /// A wave: all orders go out before the first reply is awaited. A finish means that this tick is the last.
     fn step(&mut self, wave: usize, tick: u64, time_s: f64) -> Result<Option<Finish>, Failure> {
-        let groups = self.wiring.waves[wave].clone();
-        for group in groups.clone().filter(|&group| self.wiring.groups[group].is_due(tick)) {
-            let latest = Moment { outputs: &self.latest, time_s, rises: &self.rises };
-            let visible = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+        let Wave { groups, is_fed, is_read } = self.wiring.waves[wave].clone();
+        if is_fed {
+            self.feed(groups.clone(), tick, time_s);
+        }
+        for index in groups.clone() {
+            let group = &self.wiring.groups[index];
+            if group.is_due(tick) {
+                let order = Order { group: index, tick, inputs: &self.inputs };
+                let ticket = self.workers[group.worker].order(&order).map_err(|lost| lost.failure)?;
+                self.under_way[index] = Some(UnderWay::Ordered(ticket));
+            }
+        }
+        if is_read { self.await_direct(groups, tick) } else { Ok(None) }
+    }
+
+    /// `=>` brings the latest results to whoever steps in this wave, and `set` what it sets.
+    fn feed(&mut self, groups: Range<usize>, tick: u64, time_s: f64) {
+        let latest = Moment { outputs: &self.latest, time_s, rises: &self.rises };
+        let visible = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+        for group in groups.filter(|&group| self.wiring.groups[group].is_due(tick)) {
             self.wiring.direct[group].bring(&latest, &mut self.inputs);
             for target in &mut self.wiring.overrides[group] {
                 target.bring(&visible, &mut self.inputs);
             }
-            let worker = &mut self.workers[self.wiring.groups[group].worker];
-            let ticket = worker.order(&Order { group, tick, inputs: &self.inputs }).map_err(|lost| lost.failure)?;
-            self.under_way[group] = Some(UnderWay::Ordered(ticket));
         }
-        self.await_direct(groups, tick)
     }
 
     /// Hands over the row of this tick.

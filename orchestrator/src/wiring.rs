@@ -36,8 +36,8 @@ pub struct Wiring {
     pub names: Vec<Names>,
     /// Instances that step and deliver together, by wave.
     pub groups: Vec<Group>,
-    /// The groups of each wave.
-    pub waves: Vec<Range<usize>>,
+    /// The waves of a tick.
+    pub waves: Vec<Wave>,
     /// What `->` brings, for each group, from what is visible.
     pub delayed: Vec<Feed>,
     /// What `=>` brings, for each group, from the latest results.
@@ -57,6 +57,17 @@ pub struct Wiring {
     /// Outputs that nobody has read yet.
     pub outputs: Values,
     places: Places,
+}
+
+/// Groups that step beside each other.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Wave {
+    /// The groups.
+    pub groups: Range<usize>,
+    /// Whether a `=>` or a `set` ever brings anything to one of them.
+    pub is_fed: bool,
+    /// Whether a `=>` ever reads one of them in the tick of the order.
+    pub is_read: bool,
 }
 
 /// What messages call an instance.
@@ -107,7 +118,7 @@ impl Wiring {
             let preset = presets.iter().rev().find(|preset| preset.variable == port.variable);
             inputs.store(slot, preset.map_or(&start_value(variable), |preset| &preset.value));
         }
-        let [delayed, direct] = [false, true].map(|direct| {
+        let [delayed, direct]: [Vec<Feed>; 2] = [false, true].map(|direct| {
             let mut arrows = vec![Vec::new(); groups.len()];
             for arrow in scenario.connections.iter().filter(|arrow| arrow.direct == direct) {
                 arrows[places.group_of(arrow.target.instance)].push(arrow);
@@ -115,6 +126,12 @@ impl Wiring {
             arrows.iter().map(|arrows| Feed::new(arrows, &places)).collect()
         });
         let (overrides, changes) = events::plan(scenario, &groups, &places, &inputs);
+        let wave = |range: Range<usize>| Wave {
+            is_fed: range.clone().any(|group| !direct[group].is_empty() || !overrides[group].is_empty()),
+            is_read: groups[range.clone()].iter().any(|group| !group.read_every.is_empty()),
+            groups: range,
+        };
+        let waves = waves.into_iter().map(wave).collect();
         let initialization =
             scenario.initialization.iter().map(|step| turn(step, scenario, &places, worker_of)).collect();
         let members = places.take_members();

@@ -31,6 +31,7 @@ impl UnderWay {
     }
 
     /// The result, now that it is due.
+    #[inline]
     fn result(
         self,
         (group, worker): (&Group, &mut (dyn Worker + '_)),
@@ -48,6 +49,33 @@ impl UnderWay {
     }
 }
 
+/// What the results taken at one tick say besides values.
+#[derive(Default)]
+struct Taken {
+    lost: Option<Lost>,
+    /// Some Real is no finite number.
+    non_finite: bool,
+}
+
+impl Taken {
+    /// Takes in what a result says, and how its Reals look.
+    #[inline]
+    fn add(
+        &mut self,
+        due_tick: u64,
+        result: Result<Reply, Lost>,
+        reals: &[f64],
+        terminated: &mut Vec<(u64, Terminated)>,
+    ) {
+        match result {
+            Ok(reply) if reply.terminated.is_empty() => {}
+            Ok(reply) => terminated.extend(reply.terminated.into_iter().map(|unit| (due_tick, unit))),
+            Err(lost) => keep_first(&mut self.lost, lost),
+        }
+        self.non_finite |= !all_finite(reals);
+    }
+}
+
 impl<W: Witness> StepLoop<'_, W> {
     /// Takes the results of all steps that end at this tick. A finish means that a unit ended before this tick, so that
     /// the row before was the last.
@@ -58,32 +86,20 @@ impl<W: Witness> StepLoop<'_, W> {
         if tick == 0 {
             return Ok(None);
         }
-        let mut lost = None;
-        for index in 0..self.wiring.groups.len() {
-            let group = &self.wiring.groups[index];
-            if !group.is_due(tick) {
-                continue;
-            }
+        let Self { wiring, workers, under_way, visible, latest, early, terminated, .. } = self;
+        let mut taken = Taken::default();
+        for (group, order) in wiring.groups.iter().zip(under_way).filter(|(group, _)| group.is_due(tick)) {
             let through_latest = !group.read_every.is_empty();
-            if let Some(order) = self.under_way[index].take() {
-                let outputs = if through_latest { &mut self.latest } else { &mut self.visible };
-                match order.result((group, &mut *self.workers[group.worker]), tick, &self.early, outputs) {
-                    Ok(reply) => self.terminated.extend(reply.terminated.into_iter().map(|unit| (tick, unit))),
-                    Err(other) => keep_first(&mut lost, other),
-                }
+            if let Some(order) = order.take() {
+                let outputs = if through_latest { &mut *latest } else { &mut *visible };
+                let result = order.result((group, &mut *workers[group.worker]), tick, early, outputs);
+                taken.add(tick, result, &outputs.reals[group.outputs.reals.clone()], terminated);
             }
             if through_latest {
-                self.visible.copy_ranges(&self.latest, &self.wiring.groups[index].outputs);
+                visible.copy_ranges(latest, &group.outputs);
             }
         }
-        if let Some(lost) = lost {
-            return Err(lost.failure);
-        }
-        if let Some(finish) = self.ended_within(tick - 1) {
-            return Ok(Some(finish));
-        }
-        self.refuse_non_finite(0..self.wiring.groups.len(), |group| group.is_due(tick).then_some(tick))?;
-        Ok(None)
+        self.conclude(taken, tick - 1, |group| group.is_due(tick).then_some(tick))
     }
 
     /// Takes the results that a `=>` reads in the tick of the order. A finish means that a unit ended within its step,
@@ -92,31 +108,42 @@ impl<W: Witness> StepLoop<'_, W> {
     /// # Errors
     /// As for [`Self::gather`].
     pub(super) fn await_direct(&mut self, groups: Range<usize>, tick: u64) -> Result<Option<Finish>, Failure> {
-        let mut lost = None;
-        for index in groups.clone() {
-            let group = &self.wiring.groups[index];
-            if !group.is_read_at(tick) {
-                continue;
-            }
-            if let Some(order) = self.under_way[index].take() {
-                let (due_tick, worker) = (tick + group.every, &mut *self.workers[group.worker]);
-                match order.result((group, worker), due_tick, &self.early, &mut self.latest) {
-                    Ok(reply) => self.terminated.extend(reply.terminated.into_iter().map(|unit| (due_tick, unit))),
-                    Err(other) => keep_first(&mut lost, other),
-                }
+        let Self { wiring, workers, under_way, latest, early, terminated, .. } = self;
+        let mut taken = Taken::default();
+        let orders = wiring.groups[groups.clone()].iter().zip(&mut under_way[groups]);
+        for (group, order) in orders.filter(|(group, _)| group.is_read_at(tick)) {
+            if let Some(order) = order.take() {
+                let due_tick = tick + group.every;
+                let result = order.result((group, &mut *workers[group.worker]), due_tick, early, latest);
+                taken.add(due_tick, result, &latest.reals[group.outputs.reals.clone()], terminated);
             }
         }
-        if let Some(lost) = lost {
+        self.conclude(taken, tick, |group| group.is_read_at(tick).then(|| tick + group.every))
+    }
+
+    /// Judges what was taken; `delivered` tells for which tick a group delivered, if it did.
+    #[inline]
+    fn conclude(
+        &self,
+        taken: Taken,
+        last_tick: u64,
+        delivered: impl Fn(&Group) -> Option<u64>,
+    ) -> Result<Option<Finish>, Failure> {
+        if taken.lost.is_none() && !taken.non_finite && self.terminated.is_empty() {
+            return Ok(None);
+        }
+        if let Some(lost) = taken.lost {
             return Err(lost.failure);
         }
-        if let Some(finish) = self.ended_within(tick) {
+        if let Some(finish) = self.ended_within(last_tick) {
             return Ok(Some(finish));
         }
-        self.refuse_non_finite(groups, |group| group.is_read_at(tick).then(|| tick + group.every))?;
+        self.refuse_non_finite(delivered)?;
         Ok(None)
     }
 
     /// The finish of a unit that ended before the tick at which its step was to end.
+    #[cold]
     fn ended_within(&self, last_tick: u64) -> Option<Finish> {
         let early = |(due_tick, unit): &&(u64, Terminated)| {
             unit.last_successful_time_s < self.wiring.seconds(*due_tick) - HALF_A_NANOSECOND_S
@@ -130,20 +157,12 @@ impl<W: Witness> StepLoop<'_, W> {
     ///
     /// # Errors
     /// The first such variable in the script's order.
-    pub(super) fn refuse_non_finite(
-        &self,
-        groups: Range<usize>,
-        delivered: impl Fn(&Group) -> Option<u64>,
-    ) -> Result<(), Failure> {
+    #[cold]
+    pub(super) fn refuse_non_finite(&self, delivered: impl Fn(&Group) -> Option<u64>) -> Result<(), Failure> {
         let mut lost = None;
-        for group in &self.wiring.groups[groups] {
+        for group in &self.wiring.groups {
             let Some(tick) = delivered(group) else { continue };
             let values = if group.read_every.is_empty() { &self.visible } else { &self.latest };
-            let block = &values.reals[group.outputs.reals.clone()];
-            // Without a branch for each value, so that it takes several at once.
-            if block.iter().fold(true, |finite, value| finite & value.is_finite()) {
-                continue;
-            }
             for &instance in &group.instances {
                 if let Some(failure) = self.non_finite(instance, &values.reals, tick) {
                     keep_first(&mut lost, Lost { instance, failure });
@@ -153,7 +172,6 @@ impl<W: Witness> StepLoop<'_, W> {
         lost.map_or(Ok(()), |lost| Err(lost.failure))
     }
 
-    #[cold]
     fn non_finite(&self, instance: usize, reals: &[f64], tick: u64) -> Option<Failure> {
         let member = &self.wiring.members[instance];
         let values = &reals[member.outputs.reals.range()][..member.finite];
@@ -168,8 +186,30 @@ impl<W: Witness> StepLoop<'_, W> {
     }
 }
 
+/// Whether all are finite numbers: such a one less itself is zero, any other is none. Without a branch for each, so that
+/// several are taken at once.
+#[inline]
+#[expect(clippy::eq_op, reason = "the difference is what tells")]
+fn all_finite(values: &[f64]) -> bool {
+    values.iter().fold(0, |bits, value| bits | (value - value).to_bits()) == 0
+}
+
 fn keep_first(kept: &mut Option<Lost>, other: Lost) {
     if kept.as_ref().is_none_or(|kept| other.instance < kept.instance) {
         *kept = Some(other);
+    }
+}
+
+#[test]
+fn every_number_but_the_infinite_and_the_undefined_is_finite() {
+    for value in [0.0, -0.0, f64::MIN_POSITIVE / 3.0, -f64::MAX, 1.5] {
+        assert!(all_finite(&[1.0, value, 2.0, value, 3.0]), "{value}");
+    }
+    for value in [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for place in 0..5 {
+            let mut values = [1.0; 5];
+            values[place] = value;
+            assert!(!all_finite(&values), "{value} at {place}");
+        }
     }
 }

@@ -27,6 +27,6 @@ impl<W: Witness> StepLoop<'_, W> {
             worker.start(&mut self.visible).map_err(|lost| lost.failure)?;
         }
         self.latest.clone_from(&self.visible);
-        self.refuse_non_finite(0..self.wiring.groups.len(), |_| Some(0))
+        self.refuse_non_finite(|_| Some(0))
     }
 }

@@ -144,6 +144,7 @@ impl Board {
         Self { mapping: Arc::new(mapping), layout, places, rows, messages }
     }
 
+    #[inline]
     fn word(&self, at: usize) -> &AtomicU64 {
         &self.mapping.words()[at]
     }
@@ -210,6 +211,7 @@ impl Board {
     }
 
     /// Says which tick the run has reached.
+    #[inline]
     pub fn set_tick(&self, tick: u64) {
         self.word(TICK_AT).store(tick, Ordering::Release);
     }
@@ -238,6 +240,7 @@ impl Board {
 
     /// Whether the run was asked to end.
     #[must_use]
+    #[inline]
     pub fn stop_requested(&self) -> bool {
         self.word(STOP_AT).load(Ordering::Acquire) != 0
     }

@@ -9,7 +9,7 @@ mod strings;
 pub use lifecycle::Setting;
 
 use super::board::{Note, Now};
-use super::library::{Functions, Library, StateFunctions};
+use super::library::{DoStep, Functions, Get, Library, Set, StateFunctions};
 use super::logger::{LogSink, Registration};
 use crate::failure::{Cause, Doing, Failure};
 use crate::message::LogMessage;
@@ -36,12 +36,22 @@ pub enum StepResult {
 /// One instance of a unit, freed when dropped. Its functions may be called by any one thread at a time.
 #[derive(Debug)]
 pub struct Instance {
+    component: Component,
+    index: usize,
+    /// What nearly every step calls, apart from the other functions: a loop over many instances reads little else.
+    set_real: Set<f64>,
+    do_step: DoStep,
+    get_real: Get<f64>,
+    rest: Box<Rest>,
+}
+
+/// What only some calls need.
+#[derive(Debug)]
+struct Rest {
     functions: Functions,
     /// Those that save and restore states, or the first that the unit lacks.
     states: Result<StateFunctions, Call>,
-    component: Component,
     note: Note,
-    index: usize,
     name: String,
     library: Arc<Library>,
     /// Many units keep the address, so it stays the same.
@@ -71,13 +81,13 @@ impl Instance {
     /// The name in the script.
     #[must_use]
     pub fn name(&self) -> &str {
-        &self.name
+        &self.rest.name
     }
 
     /// The unit's functions, for whoever measures what the calls alone cost.
     #[must_use]
     pub fn functions(&self) -> &Functions {
-        &self.functions
+        &self.rest.functions
     }
 
     /// The unit's handle of this instance, to go with [`Instance::functions`].
@@ -92,9 +102,10 @@ impl Instance {
     /// The unit refuses.
     #[inline]
     pub fn set_real(&mut self, now: &Now<'_>, references: &[u32], values: &[f64]) -> Result<(), Failure> {
-        self.values(now, Call::SetReal, references.len(), values.len(), |functions, component, count| {
+        let set_real = self.set_real;
+        self.values(now, Call::SetReal, references.len(), values.len(), |_, component, count| {
             // SAFETY: both slices have `count` elements, and the unit only reads them.
-            unsafe { (functions.set_real)(component, references.as_ptr(), count, values.as_ptr()) }
+            unsafe { set_real(component, references.as_ptr(), count, values.as_ptr()) }
         })
     }
 
@@ -128,9 +139,10 @@ impl Instance {
     /// The unit refuses.
     #[inline]
     pub fn get_real(&mut self, now: &Now<'_>, references: &[u32], values: &mut [f64]) -> Result<(), Failure> {
-        self.values(now, Call::GetReal, references.len(), values.len(), |functions, component, count| {
+        let get_real = self.get_real;
+        self.values(now, Call::GetReal, references.len(), values.len(), |_, component, count| {
             // SAFETY: both slices have `count` elements; the unit reads the first and writes the second.
-            unsafe { (functions.get_real)(component, references.as_ptr(), count, values.as_mut_ptr()) }
+            unsafe { get_real(component, references.as_ptr(), count, values.as_mut_ptr()) }
         })
     }
 
@@ -167,13 +179,13 @@ impl Instance {
     /// # Errors
     /// The unit refuses.
     pub fn set_string(&mut self, now: &Now<'_>, references: &[u32], values: &[String]) -> Result<(), Failure> {
-        let mut strings = std::mem::take(&mut self.strings);
+        let mut strings = std::mem::take(&mut self.rest.strings);
         let texts = strings.for_unit(values);
         let result = self.values(now, Call::SetString, references.len(), texts.len(), |functions, component, count| {
             // SAFETY: both slices have `count` elements, and the unit only reads them and the texts behind them.
             unsafe { (functions.set_string)(component, references.as_ptr(), count, texts.as_ptr()) }
         });
-        self.strings = strings;
+        self.rest.strings = strings;
         result
     }
 
@@ -182,7 +194,7 @@ impl Instance {
     /// # Errors
     /// The unit refuses.
     pub fn get_string(&mut self, now: &Now<'_>, references: &[u32], values: &mut [String]) -> Result<(), Failure> {
-        let mut strings = std::mem::take(&mut self.strings);
+        let mut strings = std::mem::take(&mut self.rest.strings);
         let texts = strings.of_unit(values.len());
         let result = self.values(now, Call::GetString, references.len(), texts.len(), |functions, component, count| {
             // SAFETY: both slices have `count` elements; the unit reads the first and writes the second.
@@ -192,7 +204,7 @@ impl Instance {
             // SAFETY: the unit's texts live until its next call, and end in a zero byte.
             unsafe { strings.copy_to(values) };
         }
-        self.strings = strings;
+        self.rest.strings = strings;
         result
     }
 
@@ -202,9 +214,10 @@ impl Instance {
     /// The unit does not come to the end of the step and does not say that it is done for good either.
     #[inline]
     pub fn do_step(&mut self, now: &Now<'_>, step_s: f64) -> Result<StepResult, Failure> {
-        let status = self.raw(now, Call::DoStep, |functions, component| {
+        let do_step = self.do_step;
+        let status = self.raw(now, Call::DoStep, |_, component| {
             // SAFETY: plain numbers; the last says that no state before this point will be restored.
-            unsafe { (functions.do_step)(component, now.time_s, step_s, TRUE) }
+            unsafe { do_step(component, now.time_s, step_s, TRUE) }
         });
         if status == Status::Ok as RawStatus { Ok(StepResult::Done) } else { self.after_step(now, step_s, status) }
     }
@@ -225,13 +238,13 @@ impl Instance {
     fn discarded(&mut self, now: &Now<'_>, step_s: f64) -> Result<StepResult, Failure> {
         let mut terminated = FALSE;
         let mut reached_s = f64::NAN;
-        if let Some(ask) = self.functions.get_boolean_status {
+        if let Some(ask) = self.rest.functions.get_boolean_status {
             self.raw(now, Call::GetBooleanStatus, |_, component| {
                 // SAFETY: the pointer is to a value of the right type.
                 unsafe { ask(component, TERMINATED, &raw mut terminated) }
             });
         }
-        if let Some(ask) = self.functions.get_real_status {
+        if let Some(ask) = self.rest.functions.get_real_status {
             self.raw(now, Call::GetRealStatus, |_, component| {
                 // SAFETY: the pointer is to a value of the right type.
                 unsafe { ask(component, LAST_SUCCESSFUL_TIME, &raw mut reached_s) }
@@ -281,7 +294,7 @@ impl Instance {
     #[inline]
     fn raw(&self, now: &Now<'_>, call: Call, foreign: impl FnOnce(&Functions, Component) -> RawStatus) -> RawStatus {
         now.enter(self.index, Doing::Call(call));
-        foreign(&self.functions, self.component)
+        foreign(&self.rest.functions, self.component)
     }
 
     #[cold]
@@ -292,7 +305,7 @@ impl Instance {
                 self.warn(now, call);
                 return Ok(());
             }
-            Some(Status::Fatal) => self.library.fatal.store(true, Ordering::Release),
+            Some(Status::Fatal) => self.rest.library.fatal.store(true, Ordering::Release),
             _ => {}
         }
         Err(self.failure(now, call, Cause::Status(status)))
@@ -300,15 +313,15 @@ impl Instance {
 
     /// Says once that a call returned a warning: the unit's own messages say why, if it has any.
     fn warn(&mut self, now: &Now<'_>, call: Call) {
-        if !std::mem::replace(&mut self.log.warned, true) {
+        if !std::mem::replace(&mut self.rest.log.warned, true) {
             let text = format!("{} returned fmi2Warning (told once; the run goes on)", call.name());
             let (status, category) = (Status::Warning as RawStatus, "logStatusWarning".to_owned());
             let (instance, tick, counts_at) = (Some(self.index), now.tick, now.counts_at);
-            (self.log.sink)(LogMessage { instance, tick, counts_at, status, category, text });
+            (self.rest.log.sink)(LogMessage { instance, tick, counts_at, status, category, text });
         }
     }
 
     fn failure(&self, now: &Now<'_>, call: Call, cause: Cause) -> Failure {
-        Failure { instance: Some(self.name.clone()), doing: Doing::Call(call), time_s: Some(now.time_s), cause }
+        Failure { instance: Some(self.rest.name.clone()), doing: Doing::Call(call), time_s: Some(now.time_s), cause }
     }
 }

@@ -4,7 +4,7 @@ mod functions;
 mod states;
 mod surroundings;
 
-pub use functions::Functions;
+pub use functions::{DoStep, Functions, Get, Set};
 pub(super) use states::StateFunctions;
 pub(super) use surroundings::undisturbed;
 

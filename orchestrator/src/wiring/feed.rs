@@ -10,6 +10,13 @@ use fmi2::description::BaseType;
 #[derive(Debug, Default)]
 pub struct Feed {
     reals: Vec<Run>,
+    /// Many groups are fed with Reals only.
+    others: Option<Box<Others>>,
+}
+
+/// What is no plain copy of Reals.
+#[derive(Debug, Default)]
+struct Others {
     integers: Vec<Run>,
     booleans: Vec<Run>,
     texts: Vec<Run>,
@@ -52,7 +59,7 @@ impl Feed {
             let to = places.pick_input(connection.target).slot;
             match &connection.source {
                 Drive::Copy(port) => feed.copy(places.read(*port), to),
-                drive => feed.computed.push(Computed::new(drive, to, places)),
+                drive => feed.others().computed.push(Computed::new(drive, to, places)),
             }
         }
         feed
@@ -62,9 +69,9 @@ impl Feed {
         assert_eq!(from.base, to.base, "a copy was resolved between different types");
         let runs = match to.base {
             BaseType::Real => &mut self.reals,
-            BaseType::Integer => &mut self.integers,
-            BaseType::Boolean => &mut self.booleans,
-            BaseType::String => &mut self.texts,
+            BaseType::Integer => &mut self.others().integers,
+            BaseType::Boolean => &mut self.others().booleans,
+            BaseType::String => &mut self.others().texts,
         };
         match runs.last_mut().filter(|run| (run.from + run.length, run.to + run.length) == (from.index, to.index)) {
             Some(run) => run.length += 1,
@@ -72,10 +79,29 @@ impl Feed {
         }
     }
 
+    fn others(&mut self) -> &mut Others {
+        self.others.get_or_insert_default()
+    }
+
+    /// Whether it brings nothing.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.reals.is_empty() && self.others.is_none()
+    }
+
     /// Brings everything to the inputs.
+    #[inline]
     pub fn bring(&mut self, moment: &Moment<'_>, inputs: &mut Values) {
+        copy(&self.reals, &moment.outputs.reals, &mut inputs.reals);
+        if let Some(others) = &mut self.others {
+            others.bring(moment, inputs);
+        }
+    }
+}
+
+impl Others {
+    fn bring(&mut self, moment: &Moment<'_>, inputs: &mut Values) {
         let outputs = moment.outputs;
-        copy(&self.reals, &outputs.reals, &mut inputs.reals);
         copy(&self.integers, &outputs.integers, &mut inputs.integers);
         copy(&self.booleans, &outputs.booleans, &mut inputs.booleans);
         for run in &self.texts {

@@ -76,7 +76,7 @@ impl Note {
         words[COUNTS_AT].store(counts_at, Ordering::Relaxed);
         let count = words[COUNT_AT].load(Ordering::Relaxed);
         words[COUNT_AT].store(count.wrapping_add(1), Ordering::Relaxed);
-        Now { note: self, tick, time_s, counts_at }
+        Now { words, tick, time_s, counts_at }
     }
 
     /// The call in progress; `None` between calls, or if something else than a call was written here.
@@ -112,7 +112,7 @@ impl Note {
 /// At one moment no instance is called twice by the same function, or a watcher would not see that it gets on.
 #[derive(Debug)]
 pub struct Now<'a> {
-    note: &'a Note,
+    words: &'a [AtomicU64; NOTE_WORDS],
     /// The tick, which notes tell.
     pub tick: u64,
     /// The same in seconds, tick × step, which units and people want.
@@ -125,14 +125,14 @@ impl Now<'_> {
     /// Says that a call begins.
     #[inline]
     pub fn enter(&self, instance: usize, doing: Doing) {
-        self.note.words()[DOING_AT].store((instance as u64) << 8 | code(doing), Ordering::Release);
+        self.words[DOING_AT].store((instance as u64) << 8 | code(doing), Ordering::Release);
     }
 }
 
 impl Drop for Now<'_> {
     #[inline]
     fn drop(&mut self) {
-        self.note.words()[DOING_AT].store(OUTSIDE, Ordering::Release);
+        self.words[DOING_AT].store(OUTSIDE, Ordering::Release);
     }
 }
 

@@ -1,10 +1,10 @@
 //! From `fmi2Instantiate` to `fmi2FreeInstance`.
 
-use super::{Instance, LogTap, Strings};
+use super::{Instance, LogTap, Rest, Strings};
 use crate::failure::{Cause, Doing, Failure};
 use crate::unit::board::{Note, Now};
 use crate::unit::call_log::{CallLog, Calls, Teller};
-use crate::unit::library::{Library, undisturbed};
+use crate::unit::library::{Functions, Library, undisturbed};
 use crate::unit::logger::{Environment, LOGGER, LogSink, Registration};
 use fmi2::c::{Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE};
 use fmi2::calls::Call;
@@ -72,19 +72,19 @@ impl Instance {
         library.instances.fetch_add(1, Ordering::AcqRel);
         let unit = Calls { functions: library.functions, states: library.states, component };
         let Calls { functions, states, component } = teller.map_or(unit, |teller| teller.interpose(unit));
-        Ok(Self {
+        let Functions { set_real, do_step, get_real, .. } = functions;
+        let rest = Rest {
             functions,
             states,
-            component,
             note,
-            index,
             name: name.to_owned(),
             library: Arc::clone(library),
             _callbacks: callbacks,
             _registration: registration,
             log: LogTap { sink, warned: false },
             strings: Strings::default(),
-        })
+        };
+        Ok(Self { component, index, set_real, do_step, get_real, rest: Box::new(rest) })
     }
 
     /// Says when the run begins. Its end and a tolerance stay open.
@@ -125,7 +125,7 @@ impl Instance {
     /// # Errors
     /// The unit refuses.
     pub fn terminate(&mut self, now: &Now<'_>) -> Result<(), Failure> {
-        if self.library.is_dead() {
+        if self.rest.library.is_dead() {
             return Ok(());
         }
         self.checked(now, Call::Terminate, |functions, component| {
@@ -161,13 +161,13 @@ fn call_instantiate(library: &Library, name: &CStr, callbacks: &CallbackFunction
 
 impl Drop for Instance {
     fn drop(&mut self) {
-        if self.library.is_dead() {
+        if self.rest.library.is_dead() {
             return;
         }
-        let now = self.note.at(self.note.tick(), f64::NAN);
+        let now = self.rest.note.at(self.rest.note.tick(), f64::NAN);
         now.enter(self.index, Doing::Call(Call::FreeInstance));
         // SAFETY: the component is this library's, and nobody has it after this.
-        unsafe { (self.functions.free_instance)(self.component) };
-        self.library.instances.fetch_sub(1, Ordering::AcqRel);
+        unsafe { (self.rest.functions.free_instance)(self.component) };
+        self.rest.library.instances.fetch_sub(1, Ordering::AcqRel);
     }
 }

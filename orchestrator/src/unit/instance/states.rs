@@ -67,7 +67,7 @@ impl Instance {
     }
 
     fn state_functions(&self, now: &Now<'_>) -> Result<StateFunctions, Failure> {
-        self.states.map_err(|call| {
+        self.rest.states.map_err(|call| {
             let text = format!("its library lacks the function `{}` of its modelDescription.xml", call.name());
             self.failure(now, call, Cause::Other(text))
         })

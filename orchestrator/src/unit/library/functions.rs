@@ -10,6 +10,8 @@ use std::path::Path;
 pub type Get<T> = unsafe extern "C" fn(Component, *const ValueReference, usize, *mut T) -> RawStatus;
 /// `fmi2SetXXX` for one base type.
 pub type Set<T> = unsafe extern "C" fn(Component, *const ValueReference, usize, *const T) -> RawStatus;
+/// `fmi2DoStep`.
+pub type DoStep = unsafe extern "C" fn(Component, f64, f64, Boolean) -> RawStatus;
 /// A function of the instance alone.
 pub type Plain = unsafe extern "C" fn(Component) -> RawStatus;
 /// A function without arguments that answers a text.
@@ -36,7 +38,7 @@ pub struct Functions {
     pub set_integer: Set<i32>,
     pub set_boolean: Set<Boolean>,
     pub set_string: Set<Str>,
-    pub do_step: unsafe extern "C" fn(Component, f64, f64, Boolean) -> RawStatus,
+    pub do_step: DoStep,
     /// Asked only after a discarded step, and not exported by everybody.
     pub get_real_status: Option<unsafe extern "C" fn(Component, StatusKind, *mut f64) -> RawStatus>,
     /// Asked only after a discarded step, and not exported by everybody.
