@@ -212,9 +212,12 @@ fn chain(unit: &Path, ticks: u64) -> Result<String, Box<dyn Error>> {
     Ok(script)
 }
 
-/// Runs a script from a folder; its results go away with the next run.
+/// Runs a script from a folder; its results go away before the next run begins.
 fn lockstep(script: &Path, from: &Path, arguments: &[&str]) -> Took {
     let out: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join("whole_process");
+    if out.exists() {
+        fs::remove_dir_all(&out)?;
+    }
     let begun = Instant::now();
     let run = Command::new(env!("CARGO_BIN_EXE_lockstep"))
         .arg("run")
