@@ -6,13 +6,14 @@
 use super::worker_process::Address;
 use crate::watchdog::LONGEST_LOOK;
 use std::io;
+use std::num::NonZero;
 use std::os::fd::AsFd;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::thread::sleep;
+use std::thread::{available_parallelism, sleep};
 use std::time::{Duration, Instant};
 
 /// The subcommand that a worker is started with.
@@ -29,6 +30,7 @@ const LOOK_AGAIN: Duration = Duration::from_millis(1);
 #[derive(Debug)]
 pub struct Fleet {
     children: Vec<Mutex<Child>>,
+    processors: usize,
     abandoned: AtomicBool,
     /// Milliseconds that were waited for any of them, less what this process did not live through.
     waited_ms: AtomicU64,
@@ -40,7 +42,12 @@ impl Fleet {
     /// # Errors
     /// One could not be started; those that were are gone again.
     pub fn start<'a>(program: &Path, addresses: impl IntoIterator<Item = &'a Address>) -> io::Result<Self> {
-        let mut fleet = Self { children: Vec::new(), abandoned: AtomicBool::new(false), waited_ms: AtomicU64::new(0) };
+        let mut fleet = Self {
+            children: Vec::new(),
+            processors: available_parallelism().map_or(1, NonZero::get),
+            abandoned: AtomicBool::new(false),
+            waited_ms: AtomicU64::new(0),
+        };
         for address in addresses {
             let mut command = Command::new(program);
             command.arg(SUBCOMMAND).args(["--once", "--home"]).arg(&address.home).arg(address.number.to_string());
@@ -54,6 +61,12 @@ impl Fleet {
     fn child(&self, number: usize) -> MutexGuard<'_, Child> {
         // What it guards is whole after every statement.
         self.children[number].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether there is a processor for each worker and one more for whoever waits for them.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        self.children.len() < self.processors
     }
 
     /// How a worker ended, if it did.

@@ -13,14 +13,17 @@ use crate::watchdog::Watchdog;
 use crate::wiring::Member;
 use crate::worker::Lost;
 use std::path::Path;
-use std::sync::mpsc::RecvTimeoutError;
-use std::thread::sleep;
+use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
+use std::thread::{sleep, yield_now};
 use std::time::{Duration, Instant};
 use zenoh::bytes::ZBytes;
 
 /// How long one attempt to reach a process may take, and how many there are: between two it is seen whether it lives.
 const DIAL: Duration = Duration::from_secs(2);
 const DIALS: usize = 15;
+/// How long somebody who waits stays awake for an answer, where that takes nobody's processor: to be woken takes longer than
+/// most answers.
+const ATTENTION: Duration = Duration::from_micros(100);
 /// How often somebody who waits looks around.
 const LOOK: Duration = Duration::from_millis(50);
 /// How often somebody who waits for a process to come up looks.
@@ -93,10 +96,17 @@ impl Remote<'_> {
     }
 
     fn listen(&self, patience: Duration) -> Result<Heard, RecvTimeoutError> {
-        match &self.link {
-            Some(link) => link.heard().recv_timeout(patience),
-            None => Err(RecvTimeoutError::Disconnected),
+        let Some(link) = &self.link else { return Err(RecvTimeoutError::Disconnected) };
+        if self.way.fleet.has_room() {
+            let began = Instant::now();
+            while began.elapsed() < ATTENTION {
+                match link.heard().try_recv() {
+                    Err(TryRecvError::Empty) => yield_now(),
+                    heard => return heard.map_err(|_| RecvTimeoutError::Disconnected),
+                }
+            }
         }
+        link.heard().recv_timeout(patience)
     }
 
     /// Awaits the reply to an order and tells what it says besides; `take` takes the values of its blocks.
