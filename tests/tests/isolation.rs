@@ -151,6 +151,26 @@ fn a_worker_that_is_stopped_is_missed_within_seconds() {
 }
 
 #[test]
+fn a_worker_that_is_stopped_in_a_long_message_is_missed_within_seconds() {
+    let description = &[(
+        "causality=\"parameter\" variability=\"fixed\">\n      <String",
+        "causality=\"input\" variability=\"discrete\">\n      <String",
+    )];
+    let (folder, _) = Foreign { description, ..Foreign::default() }.build();
+    let longer_than_a_socket_holds = "x".repeat(300_000);
+    let script = LONG.replace("record", &format!("\"{longer_than_a_socket_holds}\" -> other.label\nrecord"));
+    fs::write(folder.path().join("long.scn"), script).unwrap();
+    let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--isolate"]);
+    let workers = flight.children(2);
+    until("recorded rows", || rows(&folder.path().join("runs/long")) > 20);
+    signal("STOP", workers[1]);
+    let said = ended(&mut flight, &workers);
+    assert_eq!((said.code, state(&folder.path().join("runs/long")).as_str()), (Some(3), "broken"), "{}", said.err);
+    let told = [": no sign of life from its process for 2 s, ", ": its worker takes no more of a long message, "];
+    assert!(told.iter().any(|told| said.err.contains(told)), "{}", said.err);
+}
+
+#[test]
 fn workers_that_are_all_stopped_are_missed_and_none_stays() {
     let units: String = (0..6).map(|i| format!("fmu u{i} = \"foreign.fmu\"\ntime / 1 s -> u{i}.u\n")).collect();
     let script = format!("scenario \"Six\"\nstep 1 ms\nstop 100000 s\n{units}record u0.y, u1.y\n");

@@ -1,30 +1,36 @@
 //! The link between the coordinator and one worker: a zenoh session at each end, one key there and one back.
 //!
-//! Callbacks only hand over what they got; whoever waits does so in a thread of its own.
+//! Callbacks only hand over what they got; whoever waits does so in a thread of its own. The link is one of low latency:
+//! what is sent goes into the socket in the thread that sends it, so that nobody has to be woken for it. That has no limit
+//! of time, so whatever the socket may have no room for goes by a thread of its own.
 
+use super::pieces::{Joiner, cut};
 use super::reasons::without_source_places;
-use std::fmt::Write;
+use crate::watchdog::Watchdog;
 use std::path::Path;
-#[cfg(test)]
-use std::sync::mpsc::RecvTimeoutError;
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::time::Duration;
-use zenoh::bytes::ZBytes;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::spawn;
+use std::time::{Duration, Instant};
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::{Publisher, Subscriber};
 use zenoh::qos::{CongestionControl, Priority};
 use zenoh::sample::{Sample, SampleKind};
 use zenoh::{Config, Session, Wait};
 
-/// The longest message; states of units are the longest. A longer one would disappear without a word.
+/// The longest message; states of units are the longest.
 pub const LONGEST_MESSAGE: usize = 64 << 20;
 /// How long a lively end may be silent. Both ends are on this host: the socket of a dead one closes at once, and a run
 /// that somebody suspends must go on afterwards, so this is longer than anybody's pause.
 const LEASE_MS: u64 = 24 * 3600 * 1000;
-/// How long a coordinator waits for room in the buffers towards a worker, which then is frozen.
-const COORDINATOR_PATIENCE_US: u64 = 4_000_000;
-/// How long a worker waits for room towards its coordinator, which may be suspended; if it is gone the link is too.
-const WORKER_PATIENCE_US: u64 = LEASE_MS * 1000;
+/// A message that a socket has room for, whatever the other end does: the system gives it 208 kB, and a worker answers an
+/// order before it gets the next.
+const BUFFERED: usize = 128 << 10;
+/// How long a coordinator waits for room towards a worker, which then is frozen. A worker waits as long as it takes: its
+/// coordinator may be suspended, and if it is gone so is the link.
+const PATIENCE: Duration = Duration::from_secs(4);
+/// How often somebody who waits for room looks.
+const LOOK: Duration = Duration::from_millis(50);
 /// How long closing may take.
 const FAREWELL: Duration = Duration::from_secs(1);
 /// Said by a worker once orders reach it.
@@ -34,7 +40,7 @@ const READY: &str = "lockstep/alive/worker";
 #[derive(Debug)]
 pub enum Heard {
     /// It sent a message.
-    Message(ZBytes),
+    Message(Vec<u8>),
     /// It hears what is sent now.
     Ready,
     /// It is gone.
@@ -45,7 +51,7 @@ pub enum Heard {
 #[derive(Debug)]
 pub struct Link {
     session: Session,
-    publisher: Publisher<'static>,
+    publisher: Arc<Publisher<'static>>,
     _subscriptions: Vec<Subscriber<()>>,
     heard: Receiver<Heard>,
 }
@@ -63,7 +69,7 @@ pub struct Listening {
     subscription: Subscriber<()>,
     /// Alive as long as this end is.
     _token: LivelinessToken,
-    calls: Receiver<(String, ZBytes)>,
+    calls: Receiver<(String, Vec<u8>)>,
 }
 
 impl Link {
@@ -78,8 +84,7 @@ impl Link {
             endpoint(socket)?,
             patience.as_millis()
         );
-        let session = open("client", &connect, COORDINATOR_PATIENCE_US)
-            .map_err(|reason| format!("its worker cannot be reached: {reason}"))?;
+        let session = open("client", &connect).map_err(|reason| format!("its worker cannot be reached: {reason}"))?;
         let (sender, heard) = channel();
         let replies = subscribe(&session, &format!("lockstep/{run}/done"), message_to(&sender));
         let ready = move |sample: Sample| {
@@ -91,7 +96,8 @@ impl Link {
         let publisher = publish(&session, format!("lockstep/{run}/do"));
         match (replies, ready, publisher) {
             (Some(replies), Some(ready), Some(publisher)) => {
-                Ok(Self { session, publisher, _subscriptions: vec![replies, ready], heard })
+                let (publisher, subscriptions) = (Arc::new(publisher), vec![replies, ready]);
+                Ok(Self { session, publisher, _subscriptions: subscriptions, heard })
             }
             _ => Err("its worker hung up".to_owned()),
         }
@@ -102,7 +108,26 @@ impl Link {
     /// # Errors
     /// What kept it from being sent.
     pub fn send(&self, message: Vec<u8>) -> Result<(), String> {
-        put(&self.publisher, message)
+        if message.len() <= BUFFERED {
+            return put(&self.publisher, &message);
+        }
+        check_length(&message)?;
+        let (publisher, (went, gone)) = (Arc::clone(&self.publisher), channel());
+        // Nobody waits any more once patience was lost.
+        spawn(move || cut(&message).try_for_each(|piece| went.send(put_piece(&publisher, piece))));
+        let (mut patience, mut count) = (Watchdog::new(PATIENCE), 0);
+        loop {
+            let began = Instant::now();
+            match gone.recv_timeout(LOOK) {
+                Ok(went) => went?,
+                Err(RecvTimeoutError::Disconnected) => return Ok(()),
+                Err(RecvTimeoutError::Timeout) if patience.bites(began.elapsed(), Some(count)) => {
+                    return Err("its worker takes no more of a long message".to_owned());
+                }
+                Err(RecvTimeoutError::Timeout) => continue,
+            }
+            count += 1;
+        }
     }
 
     /// What the other end does, in order.
@@ -119,12 +144,12 @@ impl Listening {
     /// What could not be done.
     pub fn on(socket: &Path) -> Result<Self, String> {
         let listen = format!("listen: {{ endpoints: [{}], exit_on_failure: true }}", endpoint(socket)?);
-        let session = open("peer", &listen, WORKER_PATIENCE_US)
-            .map_err(|reason| format!("cannot listen on {}: {reason}", socket.display()))?;
+        let session =
+            open("peer", &listen).map_err(|reason| format!("cannot listen on {}: {reason}", socket.display()))?;
         let (sender, calls) = channel();
-        let call = move |sample: Sample| {
-            let _ = sender.send((sample.key_expr().to_string(), sample.payload().clone()));
-        };
+        let call = joined(move |sample, message| {
+            let _ = sender.send((sample.key_expr().to_string(), message));
+        });
         let subscription = subscribe(&session, "lockstep/*/do", call);
         let token = session.liveliness().declare_token(READY).wait().ok();
         match (subscription, token) {
@@ -138,7 +163,7 @@ impl Listening {
     ///
     /// # Errors
     /// None can come any more.
-    pub fn next(&self) -> Result<(String, ZBytes), String> {
+    pub fn next(&self) -> Result<(String, Vec<u8>), String> {
         self.calls.recv().map(named).map_err(|_| "the link is broken".to_owned())
     }
 
@@ -147,7 +172,7 @@ impl Listening {
     /// # Errors
     /// None came.
     #[cfg(test)]
-    pub fn next_within(&self, patience: Duration) -> Result<(String, ZBytes), RecvTimeoutError> {
+    pub fn next_within(&self, patience: Duration) -> Result<(String, Vec<u8>), RecvTimeoutError> {
         self.calls.recv_timeout(patience).map(named)
     }
 
@@ -167,15 +192,27 @@ impl Listening {
 }
 
 /// A message with the name of the run that its key tells.
-fn named((key, message): (String, ZBytes)) -> (String, ZBytes) {
+fn named((key, message): (String, Vec<u8>)) -> (String, Vec<u8>) {
     let run = key.strip_prefix("lockstep/").and_then(|rest| rest.strip_suffix("/do")).unwrap_or_default();
     (run.to_owned(), message)
 }
 
 fn message_to(sender: &Sender<Heard>) -> impl Fn(Sample) + Send + Sync + 'static + use<> {
     let sender = sender.clone();
+    joined(move |_, message| {
+        // Nobody listens any more once the run is over.
+        let _ = sender.send(Heard::Message(message));
+    })
+}
+
+/// A callback that takes whole messages. Those of one link come in order and one after the other.
+fn joined(take: impl Fn(&Sample, Vec<u8>) + Send + Sync + 'static) -> impl Fn(Sample) + Send + Sync + 'static {
+    let joiner = Mutex::new(Joiner::default());
     move |sample| {
-        let _ = sender.send(Heard::Message(sample.payload().clone()));
+        let mut joiner = joiner.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(message) = joiner.add(&sample.payload().to_bytes(), LONGEST_MESSAGE) {
+            take(&sample, message);
+        }
     }
 }
 
@@ -187,15 +224,24 @@ fn subscribe(
     session.declare_subscriber(key.to_owned()).callback(callback).wait().ok()
 }
 
-/// Sends a message, if it is not too long.
+/// Sends a message, if it is not too long, and waits for as long as there is no room for it.
 ///
 /// # Errors
 /// What kept it from being sent.
-pub fn put(publisher: &Publisher<'static>, message: Vec<u8>) -> Result<(), String> {
+pub fn put(publisher: &Publisher<'static>, message: &[u8]) -> Result<(), String> {
+    check_length(message)?;
+    cut(message).try_for_each(|piece| put_piece(publisher, piece))
+}
+
+fn put_piece(publisher: &Publisher<'static>, piece: Vec<u8>) -> Result<(), String> {
+    publisher.put(piece).wait().map_err(|_| "its worker hung up".to_owned())
+}
+
+fn check_length(message: &[u8]) -> Result<(), String> {
     if message.len() > LONGEST_MESSAGE {
         return Err(format!("a message of {} bytes is longer than {LONGEST_MESSAGE}", message.len()));
     }
-    publisher.put(message).wait().map_err(|_| "its worker hung up".to_owned())
+    Ok(())
 }
 
 fn publish(session: &Session, key: String) -> Option<Publisher<'static>> {
@@ -204,15 +250,11 @@ fn publish(session: &Session, key: String) -> Option<Publisher<'static>> {
 }
 
 /// A session that speaks to whom it is told to, and looks for nobody.
-fn open(mode: &str, place: &str, patience_us: u64) -> Result<Session, String> {
-    let mut text = format!("{{ mode: \"{mode}\", {place}, ");
-    let _ = write!(
-        text,
-        "scouting: {{ multicast: {{ enabled: false }}, gossip: {{ enabled: false }} }}, \
-         timestamping: {{ enabled: false }}, transport: {{ unicast: {{ max_sessions: 1 }}, \
-         link: {{ tx: {{ lease: {LEASE_MS}, keep_alive: 4, queue: {{ congestion_control: {{ block: \
-         {{ wait_before_close: {patience_us} }} }} }} }}, rx: {{ max_message_size: {} }} }} }} }}",
-        LONGEST_MESSAGE + 1024
+fn open(mode: &str, place: &str) -> Result<Session, String> {
+    let text = format!(
+        "{{ mode: \"{mode}\", {place}, scouting: {{ multicast: {{ enabled: false }}, gossip: {{ enabled: false }} }}, \
+         timestamping: {{ enabled: false }}, transport: {{ unicast: {{ max_sessions: 1, lowlatency: true, \
+         qos: {{ enabled: false }} }}, link: {{ tx: {{ lease: {LEASE_MS}, keep_alive: 4 }} }} }} }}"
     );
     match Config::from_json5(&text) {
         Ok(config) => zenoh::open(config).wait().map_err(|error| without_source_places(&error.to_string())),
@@ -238,7 +280,7 @@ pub fn endpoint(socket: &Path) -> Result<String, String> {
 fn close(session: &Session) {
     let (done, closed) = channel();
     let session = session.clone();
-    std::thread::spawn(move || {
+    spawn(move || {
         let _ = session.close().wait();
         let _ = done.send(());
     });

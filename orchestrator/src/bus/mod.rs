@@ -16,6 +16,7 @@ mod fleet;
 mod isolated;
 mod link;
 mod opening;
+mod pieces;
 mod reasons;
 mod remote;
 mod run_name;

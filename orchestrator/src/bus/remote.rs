@@ -25,7 +25,6 @@ use pulse::Pulse;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
-use zenoh::bytes::ZBytes;
 
 /// How long a process may take to come up, on a machine on which many do.
 const START_DEADLINE: Duration = Duration::from_secs(30);
@@ -60,7 +59,7 @@ pub struct Remote<'a> {
     /// Orders whose replies nobody has awaited: what they were, by the group.
     under_way: BTreeMap<usize, Asked>,
     /// Replies that came before they were awaited, by the number of their order.
-    early: BTreeMap<u64, ZBytes>,
+    early: BTreeMap<u64, Vec<u8>>,
     pulse: Pulse,
     dead: Option<Lost>,
 }

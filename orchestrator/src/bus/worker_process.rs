@@ -56,7 +56,7 @@ pub fn serve(address: &Address) -> Result<(), String> {
     let answers = line.answer(&run)?;
     let mut service = Service::new(Arc::clone(&board), Spoken::new(board));
     loop {
-        put(&answers, service.answer(&message.to_bytes())?)?;
+        put(&answers, &service.answer(&message)?)?;
         if service.is_over() {
             break;
         }

@@ -16,14 +16,13 @@ use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
 use std::thread::{sleep, yield_now};
 use std::time::{Duration, Instant};
-use zenoh::bytes::ZBytes;
 
 /// How long one attempt to reach a process may take, and how many there are: between two it is seen whether it lives.
 const DIAL: Duration = Duration::from_secs(2);
 const DIALS: usize = 15;
 /// How long somebody who waits stays awake for an answer, where that takes nobody's processor: to be woken takes longer than
 /// most answers.
-const ATTENTION: Duration = Duration::from_micros(100);
+const ATTENTION: Duration = Duration::from_micros(300);
 /// How often somebody who waits looks around.
 const LOOK: Duration = Duration::from_millis(50);
 /// How often somebody who waits for a process to come up looks.
@@ -119,7 +118,6 @@ impl Remote<'_> {
         take: impl FnOnce(&[(usize, Member)], &mut Blocks<'_>) -> Result<(), Malformed>,
     ) -> Result<Aside, Lost> {
         let message = self.hear(asked.header)?;
-        let message = message.to_bytes();
         let said = self.understand(asked.header, &message, take);
         let aside = said.map_err(|reason| self.give_up(asked.header.tick, Cause::Other(reason)))?;
         match aside.lost {
@@ -131,7 +129,6 @@ impl Remote<'_> {
     /// Awaits the reply to a step whose result nobody wants any more.
     pub(super) fn overrun(&mut self, asked: Asked) -> Result<(), Lost> {
         let message = self.hear(asked.header)?;
-        let message = message.to_bytes();
         let aside = Incoming::read(&message).ok().and_then(|message| Aside::read(message.aside));
         if let Some(aside) = aside.filter(|aside| aside.is_of(|index| self.holds(index))) {
             aside.said.into_iter().for_each(|said| (self.sink)(said));
@@ -190,7 +187,7 @@ impl Remote<'_> {
     }
 
     /// Waits for the reply to an order.
-    fn hear(&mut self, order: Header) -> Result<ZBytes, Lost> {
+    fn hear(&mut self, order: Header) -> Result<Vec<u8>, Lost> {
         if let Some(dead) = &self.dead {
             return Err(dead.clone());
         }
@@ -264,8 +261,8 @@ impl Remote<'_> {
     }
 }
 
-fn sequence_of(message: &ZBytes) -> Option<u64> {
-    Incoming::read(&message.to_bytes()).ok().map(|message| message.header.sequence)
+fn sequence_of(message: &[u8]) -> Option<u64> {
+    Incoming::read(message).ok().map(|message| message.header.sequence)
 }
 
 /// Whether a socket is there.

@@ -47,12 +47,11 @@ fn serve(address: &Address, kind: Kind, lie: Lie, over: &AtomicBool) {
         let Ok((run, order)) = line.next_within(Duration::from_millis(20)) else { continue };
         board.beat();
         let answers = answers.get_or_insert_with(|| line.answer(&run).unwrap());
-        let order = order.to_bytes();
         let asked = crate::bus::wire::Incoming::read(&order).unwrap().header.kind;
         let answer = service.answer(&order).unwrap();
         let told = if asked.reply() == Some(kind) { lie(answer) } else { Some(answer) };
         if let Some(told) = told {
-            put(answers, told).unwrap();
+            put(answers, &told).unwrap();
         }
         if service.is_over() {
             break;
