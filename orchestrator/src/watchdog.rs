@@ -5,7 +5,7 @@
 use std::time::Duration;
 
 /// The most that one look can count, however long ago the last one was.
-pub const LONGEST_LOOK: Duration = Duration::from_millis(100);
+const LONGEST_LOOK: Duration = Duration::from_millis(100);
 
 /// Counts the time that the same call has been in progress, or anything else has stayed the same.
 #[derive(Clone, Copy, Debug)]

@@ -4,6 +4,7 @@ use super::fleet::Fleet;
 use super::link::endpoint;
 use super::remote::{Remote, Way};
 use super::run_name::run_name;
+use super::vigil::Vigil;
 use super::worker_process::Address;
 use crate::failure::Failure;
 use crate::message::MessageSink;
@@ -35,12 +36,13 @@ impl Crew {
             endpoint(&address.socket()).map_err(io::Error::other)?;
         }
         let layout = BoardLayout { notes: 1, columns: 0, claims: 0 };
-        let boards = addresses.iter().map(|address| Board::create(&address.board(), &layout));
+        let boards = addresses.iter().map(|address| Board::create(&address.board(), &layout).map(Arc::new));
         let boards = boards.collect::<io::Result<Vec<_>>>()?;
+        let vigil = Arc::new(Vigil::new(&boards, patience));
         let fleet = Arc::new(Fleet::start(program, &addresses)?);
         let ways = addresses.into_iter().zip(boards).map(|(address, board)| {
-            let fleet = Arc::clone(&fleet);
-            Way { address, board, fleet, patience }
+            let (fleet, vigil) = (Arc::clone(&fleet), Arc::clone(&vigil));
+            Way { address, board, fleet, vigil }
         });
         Ok(Self { ways: ways.collect(), fleet })
     }

@@ -4,14 +4,13 @@
 //! coordinator is gone. What units print goes to this process's standard error.
 
 use super::worker_process::Address;
-use crate::watchdog::LONGEST_LOOK;
 use std::io;
 use std::num::NonZero;
 use std::os::fd::AsFd;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{available_parallelism, sleep};
 use std::time::{Duration, Instant};
@@ -32,8 +31,6 @@ pub struct Fleet {
     children: Vec<Mutex<Child>>,
     processors: usize,
     abandoned: AtomicBool,
-    /// Milliseconds that were waited for any of them, less what this process did not live through.
-    waited_ms: AtomicU64,
 }
 
 impl Fleet {
@@ -46,7 +43,6 @@ impl Fleet {
             children: Vec::new(),
             processors: available_parallelism().map_or(1, NonZero::get),
             abandoned: AtomicBool::new(false),
-            waited_ms: AtomicU64::new(0),
         };
         for address in addresses {
             let mut command = Command::new(program);
@@ -86,18 +82,6 @@ impl Fleet {
             }
             sleep(LOOK_AGAIN);
         }
-    }
-
-    /// Notes that somebody has waited so long; of a long gap only a little counts, as this process may have stood still.
-    pub fn wait(&self, waited: Duration) {
-        let ms = waited.min(LONGEST_LOOK).as_millis();
-        self.waited_ms.fetch_add(u64::try_from(ms).unwrap_or(0), Ordering::Relaxed);
-    }
-
-    /// How long was waited so far, for whichever worker.
-    #[must_use]
-    pub fn waited(&self) -> Duration {
-        Duration::from_millis(self.waited_ms.load(Ordering::Relaxed))
     }
 
     /// Ends a worker at once.

@@ -20,6 +20,7 @@ mod pieces;
 mod reasons;
 mod remote;
 mod run_name;
+mod vigil;
 pub mod watch;
 pub mod wire;
 mod worker_process;

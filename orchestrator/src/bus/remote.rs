@@ -4,13 +4,13 @@
 //! life. Of a process that died or hangs its board still tells in which call that was.
 
 mod answers;
-mod pulse;
 #[cfg(test)]
 mod tests;
 
 use super::fleet::Fleet;
 use super::link::Link;
 use super::opening::{Aside, Company, Held, Initial, Opening, Picked, Speaker, Unit, bytes};
+use super::vigil::Vigil;
 use super::wire::{Header, Kind, Outgoing};
 use super::worker_process::Address;
 use crate::failure::{Cause, Failure};
@@ -21,7 +21,6 @@ use crate::unit::board::Board;
 use crate::values::Values;
 use crate::wiring::{Member, Pick, Wiring};
 use crate::worker::{Leaving, Lost, Order, Reply, Ticket, Worker};
-use pulse::Pulse;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -35,11 +34,11 @@ pub struct Way {
     /// Where it is.
     pub address: Address,
     /// Its board.
-    pub board: Board,
+    pub board: Arc<Board>,
     /// The processes, its own among them.
     pub fleet: Arc<Fleet>,
-    /// How long a call of a unit may take; `None` waits for ever.
-    pub patience: Option<Duration>,
+    /// Who looks after them.
+    pub vigil: Arc<Vigil>,
 }
 
 /// A worker in another process.
@@ -60,7 +59,6 @@ pub struct Remote<'a> {
     under_way: BTreeMap<usize, Asked>,
     /// Replies that came before they were awaited, by the number of their order.
     early: BTreeMap<u64, Vec<u8>>,
-    pulse: Pulse,
     dead: Option<Lost>,
 }
 
@@ -104,7 +102,6 @@ impl<'a> Remote<'a> {
             orders: 0,
             under_way: BTreeMap::new(),
             early: BTreeMap::new(),
-            pulse: Pulse::default(),
             dead: None,
         };
         remote.call(run)?;
@@ -165,7 +162,7 @@ impl<'a> Remote<'a> {
     }
 
     fn send(&mut self, header: Header, message: Vec<u8>) -> Result<Asked, Lost> {
-        self.pulse = Pulse { count: self.way.board.pulse(), since: self.way.fleet.waited() };
+        self.way.vigil.begin(self.way.address.number);
         let sent = self.link.as_ref().map_or_else(|| Err("its worker hung up".to_owned()), |link| link.send(message));
         match sent {
             Ok(()) => Ok(Asked { header }),

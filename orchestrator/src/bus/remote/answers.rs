@@ -1,6 +1,5 @@
 //! Awaiting the answers of a worker, and telling what became of one that gives none.
 
-use super::pulse::SIGN_OF_LIFE;
 use super::{Asked, Remote, START_DEADLINE};
 use crate::bus::link::{Heard, Link};
 use crate::bus::opening::{Aside, Speaker};
@@ -194,7 +193,6 @@ impl Remote<'_> {
         if let Some(early) = self.early.remove(&order.sequence) {
             return Ok(early);
         }
-        let mut calls = self.way.patience.map(Watchdog::new);
         loop {
             let began = Instant::now();
             match self.listen(LOOK) {
@@ -214,17 +212,8 @@ impl Remote<'_> {
                 }
                 Err(RecvTimeoutError::Timeout) => {}
             }
-            let since = began.elapsed();
-            let call = self.way.board.note(0).read();
-            if calls.as_mut().is_some_and(|dog| dog.bites(since, Some(call))) {
-                let limit_s = self.way.patience.unwrap_or_default().as_secs_f64();
-                let silent = || Cause::Other(format!("its worker has not answered for {limit_s} s"));
-                return Err(self.give_up(order.tick, call.map_or_else(silent, |_| Cause::Hung(limit_s))));
-            }
-            self.way.fleet.wait(since);
-            let (pulse, waited) = (self.way.board.pulse(), self.way.fleet.waited());
-            if self.way.patience.is_some() && self.pulse.is_frozen(pulse, waited) {
-                return Err(self.give_up(order.tick, Cause::Silent(SIGN_OF_LIFE.as_secs_f64())));
+            if let Some(cause) = self.way.vigil.look(self.way.address.number, began.elapsed()) {
+                return Err(self.give_up(order.tick, cause));
             }
         }
     }

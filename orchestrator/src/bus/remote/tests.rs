@@ -68,12 +68,13 @@ fn told_by(kind: Kind, lie: Lie) -> (Result<Values, String>, usize) {
     let descriptions = [&unpacked.description; 2];
     let wiring = Wiring::new(&plan.scenario, &descriptions, &[0, 1]);
     let address = Address { home: folder.path().to_owned(), number: 0 };
-    let board = Board::create(&address.board(), &BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap();
+    let board = Arc::new(Board::create(&address.board(), &BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap());
     let fleet = Arc::new(Fleet::start(&repository().join("tests/foreign/idle.sh"), [&address]).unwrap());
     let words = Arc::new(Mutex::new(0));
     let heard = Arc::clone(&words);
     let sink: MessageSink = Arc::new(move |_| *heard.lock().unwrap() += 1);
-    let way = Way { address: address.clone(), board, fleet, patience: Some(Duration::from_millis(400)) };
+    let vigil = Arc::new(Vigil::new(&[Arc::clone(&board)], Some(Duration::from_millis(400))));
+    let way = Way { address: address.clone(), board, fleet, vigil };
     let over = Arc::new(AtomicBool::new(false));
     let until = Arc::clone(&over);
     let worker = thread::spawn(move || serve(&address, kind, lie, &until));
