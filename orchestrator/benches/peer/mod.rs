@@ -117,15 +117,15 @@ impl Unit {
 
     /// Steps a chain by one set, one step and one get for each unit and tick, on plain arrays.
     pub fn by_hand(&self, units: usize, ticks: u64) -> Result<Duration, Box<dyn Error>> {
-        self.by_hand_telling(units, ticks, |_, _, _| Ok(()))
+        self.by_hand_telling(units, ticks, |_, _| Ok(()))
     }
 
-    /// The same, and tells time, inputs and outputs of each tick.
+    /// The same, and tells time and outputs of each tick.
     pub fn by_hand_telling(
         &self,
         units: usize,
         ticks: u64,
-        mut tell: impl FnMut(f64, &[f64], &[f64]) -> io::Result<()>,
+        mut tell: impl FnMut(f64, &[f64]) -> io::Result<()>,
     ) -> Result<Duration, Box<dyn Error>> {
         let mut instances = self.instances(units)?;
         let note = self.board.note(0);
@@ -147,7 +147,7 @@ impl Unit {
             let time_s = seconds(tick, STEP_NS);
             let links = (units - 1) * count;
             input_values[count..].copy_from_slice(&output_values[..links]);
-            tell(time_s, &input_values, &output_values)?;
+            tell(time_s, &output_values)?;
             for (index, &component) in components.iter().enumerate() {
                 let at = index * count;
                 let (set, get) = (&input_values[at..at + count], &mut output_values[at..at + count]);

@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p orchestrator --bench whole_process` runs the built `lockstep` on chains of units of the export layer,
 //! recording nothing and everything, in turn with the hand-written loop over the same units, which itself writes nothing,
-//! or the same numbers; then `first_flight`, in one process and with a process for each instance; then the shortest runs,
+//! or the same numbers, and with what that writing costs the loop; then `first_flight`, in one process and with a process for each instance; then the shortest runs,
 //! and what memory a worker takes; then flights that can be watched, and such as are, beside themselves without `--live`. The one who watches is a Python program in `.venv`, which `tests/run` makes.
 #![expect(unsafe_code, reason = "the hand-written loop calls through raw function pointers, as it must")]
 #![expect(clippy::print_stdout, reason = "this is what a benchmark is for")]
@@ -59,20 +59,27 @@ fn chains(table: &Table, folder: &Path, ports: usize, unrecorded: u64, recorded:
     row("everything recorded", Some(3.0), recorded, &everything, &|| unit.by_hand(UNITS, recorded))?;
     let writes = || by_hand_recorded(&unit, recorded, &folder.join("by_hand.csv"));
     row("beside one that writes", None, recorded, &everything, &writes)?;
+    let by_hand = || unit.by_hand(UNITS, recorded);
+    row("by hand with writing, beside without", None, recorded, &writes, &by_hand)?;
     Ok(())
 }
 
-/// The hand-written loop writes the numbers that `lockstep run` writes: time, and both ends of all connections.
+/// The hand-written loop writes the numbers that `lockstep run` writes: time, and both ends of all connections. They are
+/// equal, so it makes the text of each number once, the least that can be done.
 fn by_hand_recorded(unit: &Unit, ticks: u64, trace: &Path) -> Took {
     let mut out = BufWriter::with_capacity(1 << 18, File::create(trace)?);
-    let count = unit.inputs.len();
-    unit.by_hand_telling(UNITS, ticks, |time_s, inputs, outputs| {
+    let links = (UNITS - 1) * unit.inputs.len();
+    let mut text = Vec::new();
+    unit.by_hand_telling(UNITS, ticks, |time_s, outputs| {
         let mut digits = zmij::Buffer::new();
         out.write_all(digits.format(time_s).as_bytes())?;
-        for value in inputs[count..].iter().chain(&outputs[..(UNITS - 1) * count]) {
-            out.write_all(b",")?;
-            out.write_all(digits.format(*value).as_bytes())?;
+        text.clear();
+        for value in &outputs[..links] {
+            text.push(b',');
+            text.extend_from_slice(digits.format(*value).as_bytes());
         }
+        out.write_all(&text)?;
+        out.write_all(&text)?;
         out.write_all(b"\n")
     })
 }
