@@ -166,8 +166,7 @@ fn a_worker_that_is_stopped_in_a_long_message_is_missed_within_seconds() {
     signal("STOP", workers[1]);
     let said = ended(&mut flight, &workers);
     assert_eq!((said.code, state(&folder.path().join("runs/long")).as_str()), (Some(3), "broken"), "{}", said.err);
-    let told = [": no sign of life from its process for 2 s, ", ": its worker takes no more of a long message, "];
-    assert!(told.iter().any(|told| said.err.contains(told)), "{}", said.err);
+    assert!(said.err.contains(": no sign of life from its process for 2 s, "), "{}", said.err);
 }
 
 #[test]

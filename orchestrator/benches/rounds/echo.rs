@@ -18,6 +18,8 @@ use zenoh::{Config, Session, Wait};
 pub const RAW: &str = "raw";
 /// zenoh, a put and a callback each way.
 pub const BARE: &str = "bare";
+/// The longest that a link of low latency is given at once.
+const PIECE: usize = 40 << 10;
 
 /// A way to one process and back.
 enum Line {
@@ -65,13 +67,13 @@ impl Echoes {
             for line in &mut self.lines {
                 match line {
                     Line::Raw(stream) => stream.write_all(&self.message)?,
-                    Line::Bare { to, .. } => to.put(self.message.clone()).wait().map_err(|error| error.to_string())?,
+                    Line::Bare { to, .. } => put(to, &self.message)?,
                 }
             }
             for line in &mut self.lines {
                 match line {
                     Line::Raw(stream) => stream.read_exact(&mut self.buffer)?,
-                    Line::Bare { heard, .. } => self.buffer.copy_from_slice(&heard.recv()?.to_bytes()),
+                    Line::Bare { heard, .. } => join(&heard.recv()?, heard, &mut self.buffer)?,
                 }
             }
         }
@@ -103,10 +105,38 @@ pub fn serve(kind: &str, bytes: usize, place: &Path) -> Result<(), Box<dyn Error
     let (heard_here, heard) = channel();
     let _from = subscribe(&session, "echo/do", heard_here)?;
     let to = publish(&session, "echo/done")?;
-    for message in heard {
-        to.put(message.to_bytes().into_owned()).wait().map_err(|error| error.to_string())?;
+    let mut message = vec![0; bytes];
+    loop {
+        // Whoever calls asks first, by single bytes.
+        let first = heard.recv()?;
+        if first.len() == 1 {
+            to.put(first).wait().map_err(|error| error.to_string())?;
+        } else {
+            join(&first, &heard, &mut message)?;
+            put(&to, &message)?;
+        }
+    }
+}
+
+/// Waits for the rest of a message.
+fn join(first: &ZBytes, heard: &Receiver<ZBytes>, message: &mut [u8]) -> Result<(), Box<dyn Error>> {
+    let mut filled = 0;
+    let mut add = |piece: &ZBytes| {
+        message[filled..filled + piece.len()].copy_from_slice(&piece.to_bytes());
+        filled += piece.len();
+        filled < message.len()
+    };
+    let mut is_more = add(first);
+    while is_more {
+        is_more = add(&heard.recv()?);
     }
     Ok(())
+}
+
+/// Puts a message in pieces that the link takes.
+fn put(to: &Publisher<'static>, message: &[u8]) -> Result<(), Box<dyn Error>> {
+    let mut pieces = message.chunks(PIECE);
+    Ok(pieces.try_for_each(|piece| to.put(piece).wait()).map_err(|error| error.to_string())?)
 }
 
 fn call(place: &Path) -> Result<Line, Box<dyn Error>> {
@@ -125,7 +155,8 @@ fn call(place: &Path) -> Result<Line, Box<dyn Error>> {
 fn open(mode: &str, direction: &str, place: &Path) -> Result<Session, Box<dyn Error>> {
     let text = format!(
         "{{ mode: \"{mode}\", {direction}: {{ endpoints: [\"unixsock-stream/{}\"] }}, timestamping: {{ enabled: false }}, \
-         scouting: {{ multicast: {{ enabled: false }}, gossip: {{ enabled: false }} }} }}",
+         scouting: {{ multicast: {{ enabled: false }}, gossip: {{ enabled: false }} }}, \
+         transport: {{ unicast: {{ max_sessions: 1, lowlatency: true, qos: {{ enabled: false }} }} }} }}",
         place.display()
     );
     let config = Config::from_json5(&text).map_err(|error| error.to_string())?;

@@ -2,8 +2,8 @@
 //!
 //! `cargo bench -p orchestrator --bench rounds` orders a step of so many workers, each in a process of its own with a unit
 //! that does nothing, and awaits all replies. In turn with that, processes that send back what they get: over blocking
-//! sockets of the same kind, and over zenoh sessions with the same settings, a put and a callback each way. Messages have
-//! the same length everywhere. Reported is the time of one round of all workers.
+//! sockets of the same kind, and over zenoh sessions with the same settings, a put and a callback each way for each piece
+//! that such a link takes. Messages have the same length everywhere. Reported is the time of one round of all workers.
 #![expect(clippy::print_stdout, reason = "this is what a benchmark is for")]
 
 mod echo;

@@ -29,6 +29,7 @@ const LOOK_AGAIN: Duration = Duration::from_millis(1);
 #[derive(Debug)]
 pub struct Fleet {
     children: Vec<Mutex<Child>>,
+    /// How many this process may use.
     processors: usize,
     abandoned: AtomicBool,
 }

@@ -2,15 +2,16 @@
 //!
 //! Callbacks only hand over what they got; whoever waits does so in a thread of its own. The link is one of low latency:
 //! what is sent goes into the socket in the thread that sends it, so that nobody has to be woken for it. That has no limit
-//! of time, so whatever the socket may have no room for goes by a thread of its own.
+//! of time, so what the socket towards a worker may have no room for goes by a thread of its own. A worker waits for room
+//! as long as it takes: its coordinator may be suspended, and if it is gone so is the link.
 
 use super::pieces::{Joiner, cut};
 use super::reasons::without_source_places;
-use crate::watchdog::Watchdog;
+use crate::failure::Cause;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::spawn;
+use std::thread::{Builder, spawn};
 use std::time::{Duration, Instant};
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::{Publisher, Subscriber};
@@ -23,13 +24,10 @@ pub const LONGEST_MESSAGE: usize = 64 << 20;
 /// How long a lively end may be silent. Both ends are on this host: the socket of a dead one closes at once, and a run
 /// that somebody suspends must go on afterwards, so this is longer than anybody's pause.
 const LEASE_MS: u64 = 24 * 3600 * 1000;
-/// A message that a socket has room for, whatever the other end does: the system gives it 208 kB, and a worker answers an
-/// order before it gets the next.
+/// A message that the socket towards a worker has room for, whatever the worker does, as it has answered all before: Linux
+/// gives a socket 208 kB, unless `net.core.wmem_default` is lowered.
 const BUFFERED: usize = 128 << 10;
-/// How long a coordinator waits for room towards a worker, which then is frozen. A worker waits as long as it takes: its
-/// coordinator may be suspended, and if it is gone so is the link.
-const PATIENCE: Duration = Duration::from_secs(4);
-/// How often somebody who waits for room looks.
+/// How often somebody who waits for room looks around.
 const LOOK: Duration = Duration::from_millis(50);
 /// How long closing may take.
 const FAREWELL: Duration = Duration::from_secs(1);
@@ -103,30 +101,35 @@ impl Link {
         }
     }
 
-    /// Sends a message, see [`put`].
+    /// Sends a message. Each time that there was no room for a long one for a while, `look` is told how long that was; it
+    /// may say why nobody should wait any longer.
     ///
     /// # Errors
-    /// What kept it from being sent.
-    pub fn send(&self, message: Vec<u8>) -> Result<(), String> {
+    /// The message is too long, or what `look` said. That the other end is gone shows in what is heard only.
+    pub fn send(&self, message: Vec<u8>, look: impl FnMut(Duration) -> Option<Cause>) -> Result<(), Cause> {
         if message.len() <= BUFFERED {
-            return put(&self.publisher, &message);
+            return put(&self.publisher, &message).map_err(Cause::Other);
         }
-        check_length(&message)?;
-        let (publisher, (went, gone)) = (Arc::clone(&self.publisher), channel());
-        // Nobody waits any more once patience was lost.
-        spawn(move || cut(&message).try_for_each(|piece| went.send(put_piece(&publisher, piece))));
-        let (mut patience, mut count) = (Watchdog::new(PATIENCE), 0);
+        self.send_aside(message, look)
+    }
+
+    /// The same by a thread of its own, however short the message: for a worker that may not have taken those before.
+    ///
+    /// # Errors
+    /// As for [`Link::send`], or the system gives no thread.
+    pub fn send_aside(&self, message: Vec<u8>, mut look: impl FnMut(Duration) -> Option<Cause>) -> Result<(), Cause> {
+        let (publisher, (done, result)) = (Arc::clone(&self.publisher), channel());
+        // Nobody waits any more for a worker that was given up.
+        let send = move || done.send(put(&publisher, &message)).unwrap_or_default();
+        let sending = Builder::new().name("send".to_owned()).spawn(send);
+        sending.map_err(|error| Cause::Other(format!("cannot start a thread to send a message: {error}")))?;
         loop {
             let began = Instant::now();
-            match gone.recv_timeout(LOOK) {
-                Ok(went) => went?,
-                Err(RecvTimeoutError::Disconnected) => return Ok(()),
-                Err(RecvTimeoutError::Timeout) if patience.bites(began.elapsed(), Some(count)) => {
-                    return Err("its worker takes no more of a long message".to_owned());
-                }
-                Err(RecvTimeoutError::Timeout) => continue,
+            match result.recv_timeout(LOOK) {
+                Ok(result) => return result.map_err(Cause::Other),
+                Err(RecvTimeoutError::Disconnected) => return Err(Cause::Other("the link is broken".to_owned())),
+                Err(RecvTimeoutError::Timeout) => look(began.elapsed()).map_or(Ok(()), Err)?,
             }
-            count += 1;
         }
     }
 
@@ -224,24 +227,15 @@ fn subscribe(
     session.declare_subscriber(key.to_owned()).callback(callback).wait().ok()
 }
 
-/// Sends a message, if it is not too long, and waits for as long as there is no room for it.
+/// Sends a message, and waits for as long as there is no room for it.
 ///
 /// # Errors
-/// What kept it from being sent.
+/// The message is too long. A link that is broken may swallow it without a word.
 pub fn put(publisher: &Publisher<'static>, message: &[u8]) -> Result<(), String> {
-    check_length(message)?;
-    cut(message).try_for_each(|piece| put_piece(publisher, piece))
-}
-
-fn put_piece(publisher: &Publisher<'static>, piece: Vec<u8>) -> Result<(), String> {
-    publisher.put(piece).wait().map_err(|_| "its worker hung up".to_owned())
-}
-
-fn check_length(message: &[u8]) -> Result<(), String> {
     if message.len() > LONGEST_MESSAGE {
         return Err(format!("a message of {} bytes is longer than {LONGEST_MESSAGE}", message.len()));
     }
-    Ok(())
+    cut(message).try_for_each(|piece| publisher.put(piece).wait()).map_err(|_| "the link is broken".to_owned())
 }
 
 fn publish(session: &Session, key: String) -> Option<Publisher<'static>> {
@@ -286,6 +280,67 @@ fn close(session: &Session) {
     });
     // One that does not close is left to the end of the process.
     let _ = closed.recv_timeout(FAREWELL);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHORT: &[u8] = b"short";
+
+    fn long() -> Vec<u8> {
+        (0..1 << 20).map(|at| (at % 251) as u8).collect()
+    }
+
+    /// What keeps the other end there.
+    type Peer = (Session, Subscriber<()>, LivelinessToken, tempfile::TempDir);
+
+    /// A link to an end that hears nothing as long as the gate is closed, and what it hears.
+    fn linked(gate: &Arc<Mutex<()>>) -> (Link, Receiver<Vec<u8>>, Peer) {
+        let folder = tempfile::tempdir().unwrap();
+        let socket = folder.path().join("0.sock");
+        let peer = open("peer", &format!("listen: {{ endpoints: [{}] }}", endpoint(&socket).unwrap())).unwrap();
+        let (sender, heard) = channel();
+        let hear = joined(move |_, message| sender.send(message).unwrap_or_default());
+        let gate = Arc::clone(gate);
+        let callback = move |sample| {
+            drop(gate.lock());
+            hear(sample);
+        };
+        let subscription = subscribe(&peer, "lockstep/*/do", callback).unwrap();
+        let token = peer.liveliness().declare_token(READY).wait().unwrap();
+        let link = Link::dial(&socket, "run", Duration::from_secs(5)).unwrap();
+        assert!(matches!(link.heard().recv(), Ok(Heard::Ready)));
+        (link, heard, (peer, subscription, token, folder))
+    }
+
+    #[test]
+    fn messages_long_and_short_arrive_whole_and_in_order() {
+        let (link, heard, _peer) = linked(&Arc::default());
+        for message in [long(), SHORT.to_vec(), long()] {
+            link.send(message, |_| None).unwrap();
+        }
+        assert!([long(), SHORT.to_vec(), long()] == [(); 3].map(|()| heard.recv().unwrap()));
+    }
+
+    #[test]
+    fn who_takes_nothing_is_waited_for_until_somebody_says_why_not_to_wait() {
+        let gate = Arc::<Mutex<()>>::default();
+        let (link, heard, _peer) = linked(&gate);
+        let closed = gate.lock().unwrap();
+        link.send(SHORT.to_vec(), |_| None).unwrap();
+        let mut looks = 0;
+        let sent = link.send(long(), |_| {
+            looks += 1;
+            (looks == 4).then_some(Cause::Silent(2.0))
+        });
+        assert_eq!((sent, looks), (Err(Cause::Silent(2.0)), 4));
+        let one = link.send_aside(SHORT.to_vec(), |_| Some(Cause::Silent(1.0)));
+        assert_eq!(one, Err(Cause::Silent(1.0)), "nor does a short one get past it");
+        assert!(heard.try_recv().is_err());
+        drop(closed);
+        assert_eq!(heard.recv().unwrap(), SHORT);
+    }
 }
 
 #[test]

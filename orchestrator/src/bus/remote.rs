@@ -162,12 +162,13 @@ impl<'a> Remote<'a> {
     }
 
     fn send(&mut self, header: Header, message: Vec<u8>) -> Result<Asked, Lost> {
-        self.way.vigil.begin(self.way.address.number);
-        let sent = self.link.as_ref().map_or_else(|| Err("its worker hung up".to_owned()), |link| link.send(message));
-        match sent {
-            Ok(()) => Ok(Asked { header }),
-            Err(reason) => Err(self.give_up(header.tick, Cause::Other(reason))),
-        }
+        let Way { address: Address { number, .. }, vigil, .. } = &self.way;
+        vigil.begin(*number);
+        let sent = match &self.link {
+            Some(link) => link.send(message, |since| vigil.look(*number, since)),
+            None => Err(Cause::Other("its worker hung up".to_owned())),
+        };
+        sent.map(|()| Asked { header }).map_err(|cause| self.give_up(header.tick, cause))
     }
 
     /// What is lost with this worker, told of its first instance unless its board knows better.
@@ -251,7 +252,11 @@ impl Worker for Remote<'_> {
             return Ok(());
         }
         if leaving == Leaving::AtOnce {
-            return self.ask(Kind::Finish, tick, &[]).map(drop);
+            let (_, outgoing) = self.begin(Kind::Finish, 0, tick)?;
+            // It may not have taken its last order; then it is not waited for.
+            let leave = |_| Some(Cause::Other("it takes nothing".to_owned()));
+            self.link.as_ref().map_or(Ok(()), |link| link.send_aside(outgoing.finish(&[]), leave)).ok();
+            return Ok(());
         }
         // What units said in steps that end after the run is told all the same.
         for asked in std::mem::take(&mut self.under_way).into_values() {

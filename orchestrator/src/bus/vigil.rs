@@ -38,21 +38,21 @@ impl Vigil {
         Self { patience, workers: Mutex::new(boards.iter().map(watched).collect()) }
     }
 
-    /// A worker was told to do something: what it did before does not count.
+    /// A worker that was doing nothing is told to do something.
     pub fn begin(&self, number: usize) {
         let mut workers = self.workers.lock().unwrap_or_else(PoisonError::into_inner);
         let Watched { call, life, .. } = &mut workers[number];
         (*call, *life) = (Watchdog::new(call.limit()), Watchdog::new(life.limit()));
     }
 
-    /// Takes a look at all workers, `since` after the last one, and says what is wrong with this one, which is waited for.
-    pub fn look(&self, number: usize, since: Duration) -> Option<Cause> {
+    /// Takes a look at all workers after a wait of so long, and says what is wrong with this one, which is waited for.
+    pub fn look(&self, number: usize, waited: Duration) -> Option<Cause> {
         let limit_s = self.patience?.as_secs_f64();
         let mut workers = self.workers.lock().unwrap_or_else(PoisonError::into_inner);
         let mut wrong = None;
         for (at, Watched { board, call, life }) in workers.iter_mut().enumerate() {
             let in_call = board.note(0).read();
-            let (hangs, is_frozen) = (call.bites(since, Some(in_call)), life.bites(since, Some(board.pulse())));
+            let (hangs, is_frozen) = (call.bites(waited, Some(in_call)), life.bites(waited, Some(board.pulse())));
             if at == number && hangs {
                 let silent = || Cause::Other(format!("its worker has not answered for {limit_s} s"));
                 wrong = Some(in_call.map_or_else(silent, |_| Cause::Hung(limit_s)));

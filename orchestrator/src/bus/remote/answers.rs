@@ -19,8 +19,8 @@ use std::time::{Duration, Instant};
 /// How long one attempt to reach a process may take, and how many there are: between two it is seen whether it lives.
 const DIAL: Duration = Duration::from_secs(2);
 const DIALS: usize = 15;
-/// How long somebody who waits stays awake for an answer, where that takes nobody's processor: to be woken takes longer than
-/// most answers.
+/// How long somebody who waits stays awake for an answer, where the run leaves a processor free: to be woken takes longer
+/// than most answers.
 const ATTENTION: Duration = Duration::from_micros(300);
 /// How often somebody who waits looks around.
 const LOOK: Duration = Duration::from_millis(50);

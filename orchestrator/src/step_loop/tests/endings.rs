@@ -110,6 +110,16 @@ fn a_connected_value_that_is_no_number_breaks_the_run() {
 }
 
 #[test]
+fn a_value_that_is_no_number_is_refused_when_it_is_awaited_also_where_its_reader_is_slower() {
+    let script = |tick| {
+        let nan = unit(1, 0, move |step| if step.tick == tick { f64::NAN } else { 0.0 });
+        let flown = Script::new(vec![nan, repeater(3, 1)]).connect(0, 1, true).record(&[(0, Y)]).fly();
+        (flown.result.unwrap_err().time_s, flown.rows.len())
+    };
+    assert_eq!([script(3), script(4)], [(Some(4.0), 3), (Some(5.0), 5)]);
+}
+
+#[test]
 fn an_asserted_infinity_breaks_the_run_and_a_recorded_one_is_recorded() {
     let infinite = || unit(1, 0, |_| f64::INFINITY);
     let flown = Script::new(vec![infinite()]).always(below(0, 1.0)).record(&[(0, Y)]).fly();
