@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::fs;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::thread::sleep;
@@ -138,20 +139,24 @@ fn a_folder_whose_name_no_socket_can_have_is_told_before_anything_starts() {
     assert_eq!(fs::read_dir(&long).unwrap().count(), 0);
 }
 
-#[test]
-fn a_worker_that_is_stopped_is_missed_within_seconds() {
-    let folder = hangar(&[], "long.scn", LONG);
+/// Stops some of so many workers in mid-run: they are missed.
+fn miss(folder: &TempDir, count: usize, stopped: Range<usize>) {
     let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--isolate"]);
-    let workers = flight.children(2);
+    let workers = flight.children(count);
     until("recorded rows", || rows(&folder.path().join("runs/long")) > 20);
-    signal("STOP", workers[1]);
+    workers[stopped].iter().for_each(|&worker| signal("STOP", worker));
     let said = ended(&mut flight, &workers);
     assert_eq!((said.code, state(&folder.path().join("runs/long")).as_str()), (Some(3), "broken"), "{}", said.err);
     assert!(said.err.contains(": no sign of life from its process for 2 s, "), "{}", said.err);
 }
 
 #[test]
-fn a_worker_that_is_stopped_in_a_long_message_is_missed_within_seconds() {
+fn a_worker_that_is_stopped_is_missed_within_seconds() {
+    miss(&hangar(&[], "long.scn", LONG), 2, 1..2);
+}
+
+#[test]
+fn a_worker_that_is_stopped_where_messages_are_long_is_missed_within_seconds() {
     let description = &[(
         "causality=\"parameter\" variability=\"fixed\">\n      <String",
         "causality=\"input\" variability=\"discrete\">\n      <String",
@@ -160,27 +165,14 @@ fn a_worker_that_is_stopped_in_a_long_message_is_missed_within_seconds() {
     let longer_than_a_socket_holds = "x".repeat(300_000);
     let script = LONG.replace("record", &format!("\"{longer_than_a_socket_holds}\" -> other.label\nrecord"));
     fs::write(folder.path().join("long.scn"), script).unwrap();
-    let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--isolate"]);
-    let workers = flight.children(2);
-    until("recorded rows", || rows(&folder.path().join("runs/long")) > 20);
-    signal("STOP", workers[1]);
-    let said = ended(&mut flight, &workers);
-    assert_eq!((said.code, state(&folder.path().join("runs/long")).as_str()), (Some(3), "broken"), "{}", said.err);
-    assert!(said.err.contains(": no sign of life from its process for 2 s, "), "{}", said.err);
+    miss(&folder, 2, 1..2);
 }
 
 #[test]
 fn workers_that_are_all_stopped_are_missed_and_none_stays() {
     let units: String = (0..6).map(|i| format!("fmu u{i} = \"foreign.fmu\"\ntime / 1 s -> u{i}.u\n")).collect();
     let script = format!("scenario \"Six\"\nstep 1 ms\nstop 100000 s\n{units}record u0.y, u1.y\n");
-    let folder = hangar(&[], "long.scn", &script);
-    let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--isolate"]);
-    let workers = flight.children(6);
-    until("recorded rows", || rows(&folder.path().join("runs/long")) > 20);
-    workers.iter().for_each(|&worker| signal("STOP", worker));
-    let said = ended(&mut flight, &workers);
-    assert_eq!(said.code, Some(3), "{}", said.err);
-    assert!(said.err.contains(": no sign of life from its process for 2 s, "), "{}", said.err);
+    miss(&hangar(&[], "long.scn", &script), 6, 0..6);
 }
 
 #[test]
