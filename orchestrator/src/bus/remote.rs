@@ -165,7 +165,7 @@ impl<'a> Remote<'a> {
         let Way { address: Address { number, .. }, vigil, .. } = &self.way;
         vigil.begin(*number);
         let sent = match &self.link {
-            Some(link) => link.send(message, |since| vigil.look(*number, since)),
+            Some(link) => link.send(message, |waited| vigil.look(*number, waited)),
             None => Err(Cause::Other("its worker hung up".to_owned())),
         };
         sent.map(|()| Asked { header }).map_err(|cause| self.give_up(header.tick, cause))
