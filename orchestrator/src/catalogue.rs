@@ -85,7 +85,7 @@ impl Catalogue {
             return Err(UnitProblem { message, help: Some(help) });
         }
         crate::report::status(&format!("building unit `{}`", unit.name));
-        pack::pack(unit, &crate::unit::describe::describe_library, &archive)
+        pack::pack(unit, &unit::describe::describe_library, &archive)
             .map_err(|error| UnitProblem { message: error.to_string(), help: None })
     }
 

@@ -5,9 +5,9 @@
 use crate::flight::fly;
 use crate::orphan::end_when_orphaned;
 use crate::plan::Plan;
-use crate::unit::board::Board;
 use std::io::{self, Read};
 use std::sync::Arc;
+use unit::board::Board;
 
 /// A plan larger than this is none; checkpoints of many units may be large.
 const LONGEST_PLAN: u64 = 1 << 36;

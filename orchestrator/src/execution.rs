@@ -13,8 +13,8 @@ use crate::trace::run_folder::{RunFolder, VERDICT_JSON};
 use crate::trace::run_record::{Broken, RunRecord, RunState};
 use crate::trace::verdict::{Verdict, reason_text};
 use crate::trace::{TraceError, signals};
-use crate::wiring::seconds;
 use std::time::Duration;
+use unit::time::seconds;
 
 /// How a run is looked after.
 #[derive(Clone, Copy, Debug)]
@@ -154,10 +154,10 @@ fn end_text(ended: &Ended, scenario: &dsl::scenario::Scenario) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::failure::{Cause, Doing, Failure};
     use crate::trace::run_record::tests::record;
     use crate::trace::verdict::tests::scenario;
     use std::path::Path;
+    use unit::failure::{Cause, Doing, Failure};
 
     fn failure() -> Failure {
         Failure { instance: Some("quad".to_owned()), doing: Doing::Load, time_s: Some(12.34), cause: Cause::Signal(11) }

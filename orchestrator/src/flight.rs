@@ -9,17 +9,17 @@ pub(crate) mod tests;
 pub mod told;
 
 use crate::claims::Claims;
-use crate::failure::Failure;
 use crate::message::{Finish, Message};
 use crate::plan::Plan;
 use crate::step_loop::{StepLoop, Wishes};
-use crate::unit::board::Board;
 use crate::wiring::Wiring;
 use crate::worker::{InProcess, Leaving, Seating, Worker};
 use boarding::{Gate, Passenger, enter_initialization};
 use pace::Pace;
 use std::sync::Arc;
 use told::Told;
+use unit::board::Board;
+use unit::failure::Failure;
 
 /// Flies a plan with all instances in this process, see [`fly_with`].
 pub fn fly(plan: &Plan, board: &Arc<Board>) {

@@ -1,11 +1,10 @@
 //! What a run tells besides rows and claims, as records of a board's message ring: a stepping process its parent, a loop
 //! the thread that looks after it, a worker its coordinator.
 
-use crate::failure::Failure;
-use crate::unit::board::Board;
-use fmi2::c::RawStatus;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+use unit::failure::Failure;
+use unit::logger::LogMessage;
 
 /// One record, encoded by postcard.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,28 +21,8 @@ pub enum Message {
     Broken(Failure),
 }
 
-/// A unit's own words.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LogMessage {
-    /// Index of the instance; `None` before one exists.
-    pub instance: Option<usize>,
-    /// The tick of the call in which it was said.
-    pub tick: u64,
-    /// The tick at which that call's result counts: it is told then, wherever the instance is.
-    pub counts_at: u64,
-    /// The status as the unit gave it.
-    pub status: RawStatus,
-    /// The category as the unit gave it.
-    pub category: String,
-    /// The text.
-    pub text: String,
-}
-
 /// Where messages go; called by any thread.
 pub type MessageSink = Arc<dyn Fn(Message) + Send + Sync>;
-
-/// Bytes of a call that are told at once.
-pub const LONGEST_PIECE: usize = Board::LONGEST_MESSAGE / 16;
 
 /// A piece of the log of an instance's calls.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

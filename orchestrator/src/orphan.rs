@@ -1,8 +1,8 @@
 //! The end of a process whose parent is gone, and of the folder that the parent would have taken away.
 
-use crate::unit::exit;
 use std::io;
 use std::path::{Path, PathBuf};
+use unit::exit;
 
 /// How the name of a run's private folder begins.
 pub const HOME_PREFIX: &str = "lockstep-";

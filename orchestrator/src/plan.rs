@@ -1,11 +1,11 @@
 //! What the parent of a run hands to the process that steps it.
 
 use crate::step_loop::Checkpoint;
-use crate::wiring::seconds;
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use unit::time::seconds;
 
 /// Everything that the stepping process needs; it reads no script and looks for no unit.
 #[derive(Clone, Debug, Serialize, Deserialize)]

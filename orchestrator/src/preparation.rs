@@ -13,7 +13,6 @@ use crate::supervise::Audience;
 use crate::trace::checkpoint::Saving;
 use crate::trace::run_folder::RunFolder;
 use crate::trace::run_record::{HashedFile, Host, RunRecord, RunState, now, sha256};
-use crate::unit::archive::{Unpacked, unpack};
 use checkpoints::{Candidate, Checkpoints};
 use dsl::nearest::nearest;
 use dsl::scenario::{Scenario, Value};
@@ -22,6 +21,7 @@ use std::collections::BTreeSet;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
+use unit::archive::{Unpacked, unpack};
 
 /// How many findings about one unit a run mentions.
 const FINDINGS_TOLD: usize = 3;

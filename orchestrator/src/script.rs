@@ -3,8 +3,6 @@
 //! `check` and `run` read scripts through here, so that both find the same errors.
 
 use crate::catalogue::Catalogue;
-use crate::unit::archive::read_loadable;
-use crate::unit::error::UnitError;
 use dsl::diagnostic::{Diagnostic, Severity, render};
 use dsl::parse::{parse, parse_assignment};
 use dsl::resolve::{Request, UnitProblem, Units, resolve, units};
@@ -16,6 +14,8 @@ use fmi2::description::{Finding, ModelDescription};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use unit::archive::read_loadable;
+use unit::error::UnitError;
 
 /// A script that was read, with whatever is wrong with it.
 #[derive(Debug)]

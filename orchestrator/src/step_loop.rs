@@ -15,13 +15,13 @@ pub use witness::Witness;
 
 use crate::claims::{Claims, Ending};
 use crate::expression::Moment;
-use crate::failure::Failure;
 use crate::message::{Finish, Reason};
 use crate::values::Values;
 use crate::wiring::{Wave, Wiring};
 use crate::worker::{Leaving, Order, Terminated, Worker};
 use gather::UnderWay;
 use std::ops::Range;
+use unit::failure::Failure;
 
 /// What a run may be told besides its scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

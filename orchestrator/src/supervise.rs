@@ -12,7 +12,6 @@ mod tests;
 mod words;
 
 use crate::claims::Verdict;
-use crate::failure::{Cause, Failure};
 use crate::message::{Finish, Message, Reason};
 use crate::plan::Plan;
 use crate::report::console::Console;
@@ -22,9 +21,7 @@ use crate::trace::checkpoint::Saving;
 use crate::trace::recorder::Recorder;
 use crate::trace::shortest_decimal;
 use crate::trace::verdict::{Finding, JudgedClaim, Judgement};
-use crate::unit::board::{Board, BoardLayout, InCall};
 use crate::watchdog::Watchdog;
-use crate::wiring::seconds;
 pub use audience::Audience;
 pub use last_words::{cause_of_death, failure};
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -36,6 +33,9 @@ use std::{fs, thread};
 pub use stepping_process::SUBCOMMAND;
 use stepping_process::SteppingProcess;
 pub use terms::{Ended, Orders, Placement, Stepping, SuperviseError};
+use unit::board::{Board, BoardLayout, InCall};
+use unit::failure::{Cause, Failure};
+use unit::time::seconds;
 use words::Words;
 
 /// How long the parent sleeps when nothing came, and when something did.

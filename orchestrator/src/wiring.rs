@@ -22,6 +22,7 @@ use dsl::scenario::{InitialStep, Port, Scenario};
 use fmi2::description::ModelDescription;
 use places::Places;
 use std::ops::Range;
+use unit::time::seconds;
 
 /// A scenario, ready to step.
 #[derive(Debug)]
@@ -169,14 +170,6 @@ impl Wiring {
     pub fn place(&self, port: Port) -> Slot {
         self.places.read(port)
     }
-}
-
-/// Seconds at a tick of so many nanoseconds.
-#[must_use]
-pub fn seconds(tick: u64, step_ns: u64) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "up to 2^53 ns, 104 days, nothing is lost; then it is rounded once")]
-    let nanoseconds = (tick * step_ns) as f64;
-    nanoseconds / 1e9
 }
 
 fn turn(step: &InitialStep, scenario: &Scenario, places: &Places, worker_of: &[usize]) -> Turn {

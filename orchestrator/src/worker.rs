@@ -8,10 +8,10 @@ mod in_process;
 
 pub use in_process::{InProcess, Seating};
 
-use crate::failure::Failure;
 use crate::values::Values;
 use crate::wiring::Pick;
 use serde::{Deserialize, Serialize};
+use unit::failure::Failure;
 
 /// Inputs for one group, and the word to step from `tick` on for the group's period.
 #[derive(Clone, Copy, Debug)]

@@ -5,15 +5,15 @@ use dsl::scenario::{
     BooleanExpression, Column, Connection, Drive, Event, Instance, Port, Preset, Scenario, Set, Value,
 };
 use fmi2::calls::Call;
-use orchestrator::failure::{Cause, Doing};
 use orchestrator::flight;
 use orchestrator::message::{Finish, Message, Reason};
 use orchestrator::plan::{Plan, PlannedUnit};
-use orchestrator::unit::archive::unpack;
-use orchestrator::unit::board::{Board, BoardLayout};
 use std::path::PathBuf;
 use std::sync::Arc;
 use tests::foreign::Foreign;
+use unit::archive::unpack;
+use unit::board::{Board, BoardLayout};
+use unit::failure::{Cause, Doing};
 
 /// Variables of the foreign unit.
 const U: usize = 0;

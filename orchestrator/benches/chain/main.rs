@@ -13,13 +13,13 @@ mod peer;
 
 use orchestrator::claims::{Claims, Standing};
 use orchestrator::step_loop::{Checkpoint, StepLoop, Wishes, Witness};
-use orchestrator::unit::board::Board;
 use orchestrator::wiring::Wiring;
 use orchestrator::worker::{InProcess, Seating, Worker};
 use peer::table::{Row, Table, alternate};
 use peer::{Unit, told};
 use std::error::Error;
 use std::time::{Duration, Instant};
+use unit::board::Board;
 
 const BLOCKS: usize = 151;
 /// Steps of units in one block.

@@ -4,12 +4,12 @@ use fmi2::description::write::write;
 use fmi2::description::{
     Causality, CoSimulation, Kind, ModelDescription, RealAttributes, RealVariable, Variability, Variable,
 };
-use orchestrator::unit::describe::library_description;
 use pack::UnitCrate;
 use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use unit::describe::library_description;
 
 const PLATFORM: &str = if cfg!(target_arch = "x86_64") { "linux64" } else { "aarch64-linux" };
 

@@ -7,18 +7,18 @@ pub use make::packed;
 
 use dsl::scenario::{Connection, Drive, Instance as Planned, Port, Scenario};
 use fmi2::description::{Causality, ModelDescription};
-use orchestrator::failure::Failure;
-use orchestrator::unit::archive::unpack;
-use orchestrator::unit::board::{Board, BoardLayout};
-use orchestrator::unit::instance::{Instance, Setting};
-use orchestrator::unit::library::Library;
-use orchestrator::wiring::seconds;
 use std::error::Error;
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
+use unit::archive::unpack;
+use unit::board::{Board, BoardLayout};
+use unit::failure::Failure;
+use unit::instance::{Instance, Setting};
+use unit::library::Library;
+use unit::time::seconds;
 
 /// The communication step of all benchmarks.
 pub const STEP_NS: u64 = 1_000_000;

@@ -6,10 +6,8 @@ use super::remote::{Remote, Way};
 use super::run_name::run_name;
 use super::vigil::Vigil;
 use super::worker_process::Address;
-use crate::failure::Failure;
 use crate::message::MessageSink;
 use crate::plan::Plan;
-use crate::unit::board::{Board, BoardLayout};
 use crate::wiring::Wiring;
 use crate::worker::{Leaving, Worker};
 use std::io;
@@ -17,6 +15,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
+use unit::board::{Board, BoardLayout};
+use unit::failure::Failure;
 
 /// Worker processes that nobody has called yet.
 #[derive(Debug)]

@@ -2,14 +2,14 @@
 
 use super::crew::Crew;
 use super::fleet::Fleet;
-use crate::failure::Cause;
 use crate::flight::{fly_with, told};
 use crate::supervise::{Orders, Stepping};
-use crate::unit::board::Board;
 use std::io;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
+use unit::board::Board;
+use unit::failure::Cause;
 
 /// How long workers may take to go after the last word.
 const FAREWELL: Duration = Duration::from_secs(1);

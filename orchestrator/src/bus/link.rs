@@ -7,12 +7,12 @@
 
 use super::pieces::{Joiner, cut};
 use super::reasons::without_source_places;
-use crate::failure::Cause;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{Builder, spawn};
 use std::time::{Duration, Instant};
+use unit::failure::Cause;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::{Publisher, Subscriber};
 use zenoh::qos::{CongestionControl, Priority};

@@ -1,6 +1,6 @@
 //! What is said besides blocks: who calls whom, which instances a worker holds, what a reply tells in words.
 
-use crate::message::{LONGEST_PIECE, Message};
+use crate::message::Message;
 use crate::plan::path_bytes;
 use crate::values::{Slot, Values};
 use crate::wiring::Pick;
@@ -10,6 +10,7 @@ use fmi2::description::{BaseType, ModelDescription};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::path::PathBuf;
+use unit::call_log::LONGEST_PIECE;
 
 /// The version of everything that travels.
 pub const PROTOCOL: u32 = 1;
@@ -251,8 +252,9 @@ pub fn read<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Option<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::failure::{Cause, Doing, Failure};
-    use crate::message::{CallPiece, Finish, LogMessage, Reason};
+    use crate::message::{CallPiece, Finish, Reason};
+    use unit::failure::{Cause, Doing, Failure};
+    use unit::logger::LogMessage;
 
     #[test]
     fn another_protocol_version_or_target_is_told_apart() {

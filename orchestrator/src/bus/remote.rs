@@ -13,17 +13,17 @@ use super::opening::{Aside, Company, Held, Initial, Opening, Picked, Speaker, Un
 use super::vigil::Vigil;
 use super::wire::{Header, Kind, Outgoing};
 use super::worker_process::Address;
-use crate::failure::{Cause, Failure};
 use crate::message::MessageSink;
 use crate::plan::Plan;
 use crate::supervise::failure;
-use crate::unit::board::Board;
 use crate::values::Values;
 use crate::wiring::{Member, Pick, Wiring};
 use crate::worker::{Leaving, Lost, Order, Reply, Ticket, Worker};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
+use unit::board::Board;
+use unit::failure::{Cause, Failure};
 
 /// How long a process may take to come up, on a machine on which many do.
 const START_DEADLINE: Duration = Duration::from_secs(30);

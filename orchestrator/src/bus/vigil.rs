@@ -1,11 +1,11 @@
 //! Who hangs and who has frozen: all workers of a run are looked at whenever any of them is waited for, so that of many that
 //! went wrong together each is missed when the first is.
 
-use crate::failure::Cause;
-use crate::unit::board::{Board, InCall};
 use crate::watchdog::Watchdog;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
+use unit::board::{Board, InCall};
+use unit::failure::Cause;
 
 /// A process that gives no sign of life for so long is frozen.
 const SIGN_OF_LIFE: Duration = Duration::from_secs(2);
@@ -67,9 +67,9 @@ impl Vigil {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::failure::Doing;
-    use crate::unit::board::BoardLayout;
     use fmi2::calls::Call;
+    use unit::board::BoardLayout;
+    use unit::failure::Doing;
 
     const LOOK: Duration = Duration::from_millis(50);
     const LIMIT: Duration = Duration::from_millis(500);

@@ -22,7 +22,6 @@ use crate::plan::Plan;
 use crate::report::status;
 use crate::supervise::Audience;
 use crate::trace::run_record::RunState;
-use crate::unit::board::Board;
 use publisher::Publisher;
 use rows::Rows;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -30,6 +29,7 @@ use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 use std::time::Duration;
+use unit::board::Board;
 
 /// Between two samples, and between two words on how the run stands.
 const SAMPLE_EVERY: Duration = Duration::from_millis(20);

@@ -8,13 +8,13 @@ mod spoken;
 
 use super::link::{Listening, put};
 use crate::orphan::end_when_orphaned;
-use crate::unit::board::Board;
 pub(super) use service::Service;
 pub(super) use spoken::Spoken;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::{sleep, spawn};
 use std::time::Duration;
+use unit::board::Board;
 
 /// How often this process says that it lives.
 const BEAT: Duration = Duration::from_millis(100);

@@ -48,8 +48,7 @@ impl Describe {
     fn one(&self, unit: &str) -> Result<String, (String, Option<String>)> {
         let (catalogue, current) = self.catalogue()?;
         let archive = catalogue.find(unit, &current).map_err(|problem| (problem.message, problem.help))?;
-        let (description, _) =
-            crate::unit::archive::read_description(&archive).map_err(|error| (error.to_string(), None))?;
+        let (description, _) = unit::archive::read_description(&archive).map_err(|error| (error.to_string(), None))?;
         Ok(page(unit, &description))
     }
 
@@ -61,7 +60,7 @@ impl Describe {
                 Origin::Archive(path) => Some(path.clone()),
                 Origin::Crate(unit) => Some(unit.archive()).filter(|archive| archive.is_file()),
             };
-            let description = packed.and_then(|archive| crate::unit::archive::read_description(&archive).ok());
+            let description = packed.and_then(|archive| unit::archive::read_description(&archive).ok());
             let words = description.and_then(|(description, _)| description.description);
             let origin = match &entry.origin {
                 Origin::Archive(path) => path.clone(),

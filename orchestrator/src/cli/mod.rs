@@ -13,9 +13,9 @@ pub mod simulate;
 pub mod worker;
 
 use crate::report;
-use crate::unit::describe::library_description;
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
+use unit::describe::library_description;
 
 /// Runs scenarios of FMI 2.0 co-simulation units in lockstep and judges what their scripts claim.
 #[derive(Debug, Parser)]
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn a_library_is_asked_with_a_command_that_exists() {
-        let asked = ["lockstep", crate::unit::describe::SUBCOMMAND, "libtank.so"];
+        let asked = ["lockstep", unit::describe::SUBCOMMAND, "libtank.so"];
         let asked = Cli::try_parse_from(asked).map(|cli| cli.command);
         assert!(matches!(asked, Ok(Command::DescribeLibrary { .. })));
     }

@@ -35,7 +35,7 @@ impl Pack {
                 Some(folder) => folder.join(format!("{}.fmu", unit.name)),
                 None => unit.archive(),
             };
-            match pack::pack(unit, &crate::unit::describe::describe_library, &archive) {
+            match pack::pack(unit, &unit::describe::describe_library, &archive) {
                 Ok(path) => report::result(&format!("{}\n", path.display())),
                 Err(error) => {
                     report::error(&error, None);

@@ -1,16 +1,17 @@
 //! Brings units on board: libraries are loaded, instances made, their values set, initialization begun.
 
-use crate::failure::{Cause, Doing, Failure};
-use crate::message::{CallPiece, LONGEST_PIECE, Message, MessageSink};
+use crate::message::{CallPiece, Message, MessageSink};
 use crate::plan::PlannedUnit;
-use crate::unit::board::{Note, Now};
-use crate::unit::call_log::CallLog;
-use crate::unit::instance::{Instance, Setting};
-use crate::unit::library::Library;
 use crate::worker::Seating;
 use dsl::scenario::{Preset, Value};
 use std::path::Path;
 use std::sync::Arc;
+use unit::board::{Note, Now};
+use unit::call_log::CallLog;
+use unit::call_log::LONGEST_PIECE;
+use unit::failure::{Cause, Doing, Failure};
+use unit::instance::{Instance, Setting};
+use unit::library::Library;
 
 /// Who is to come on board.
 #[derive(Clone, Copy, Debug)]

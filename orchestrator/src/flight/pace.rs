@@ -2,9 +2,9 @@
 //!
 //! It waits between two ticks, where no unit is called and no value computed: how fast it runs changes nothing else.
 
-use crate::wiring::seconds;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
+use unit::time::seconds;
 
 /// A wait looks this often whether the run is to end.
 const LONGEST_NAP: Duration = Duration::from_millis(20);

@@ -3,15 +3,14 @@
 use super::*;
 use crate::message::Reason;
 use crate::plan::PlannedUnit;
-use crate::unit::allocations;
-use crate::unit::archive::{Unpacked, unpack};
-use crate::unit::board::BoardLayout;
 use ::tests::foreign::Foreign;
 use dsl::scenario::{
     BooleanExpression, Claim, Column, Connection, Drive, Event, Formula, Instance, Margin, Port, RealExpression,
     Scenario, Set, TickWindow,
 };
 use std::path::PathBuf;
+use unit::archive::{Unpacked, unpack};
+use unit::board::BoardLayout;
 
 /// Variables of the foreign unit.
 const U: usize = 0;
@@ -106,7 +105,7 @@ fn a_long_flight_asks_for_memory_as_often_as_a_short_one() {
             InProcess::new(wiring.step_ns, &wiring.groups, &wiring.members, boarded(&plan, &board), board.note(0));
         let mut run = step_loop(&plan, &board, wiring, vec![Box::new(worker)]);
         let mut finish = None;
-        let count = allocations::during(|| finish = run.run(None).ok());
+        let count = allocation_counter::measure(|| finish = run.run(None).ok()).count_total;
         assert_eq!(finish, Some(Finish { last_tick: ticks, reason: Reason::StopTime }));
         assert_eq!(board.pop_rows(|_, _| ()) as u64, ticks + 1);
         count

@@ -5,8 +5,8 @@ use crate::claims::Standing;
 use crate::message::{Message, MessageSink};
 use crate::plan::PlannedSave;
 use crate::step_loop::{Checkpoint, Witness};
-use crate::unit::board::{Board, ClaimNote};
 use std::sync::Arc;
+use unit::board::{Board, ClaimNote};
 
 /// Tells the board.
 pub struct Told<'a> {

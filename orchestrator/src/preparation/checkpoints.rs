@@ -5,11 +5,11 @@ use crate::plan::PlannedUnit;
 use crate::step_loop::Checkpoint;
 use crate::trace::checkpoint::{Identity, Saving};
 use crate::trace::run_record::{Continued, HashedFile, RunRecord, sha256};
-use crate::wiring::seconds;
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use unit::time::seconds;
 
 /// What is wished for.
 #[derive(Clone, Debug, Default)]

@@ -5,13 +5,13 @@
 
 use super::{StepLoop, UnderWay, Witness};
 use crate::claims::{Claims, Memory};
-use crate::failure::Failure;
 use crate::values::Values;
 use crate::wiring::{Member, Wiring};
 use crate::worker::{Reply, Terminated};
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;
 use serde::{Deserialize, Serialize};
+use unit::failure::Failure;
 
 /// A run after the row of a tick.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -1,13 +1,13 @@
 //! Replies: when each is awaited, where its values go, and what it may say.
 
 use super::{StepLoop, Witness};
-use crate::failure::{Cause, Doing, Failure};
 use crate::message::{Finish, Reason};
 use crate::values::Values;
 use crate::wiring::Group;
 use crate::worker::{Lost, Reply, Terminated, Ticket, Worker};
 use fmi2::calls::Call;
 use std::ops::Range;
+use unit::failure::{Cause, Doing, Failure};
 
 /// A unit that reached the end of its step may say so in its own rounding.
 const HALF_A_NANOSECOND_S: f64 = 0.5e-9;

@@ -2,8 +2,8 @@
 
 use super::{StepLoop, Witness};
 use crate::expression::Moment;
-use crate::failure::Failure;
 use crate::wiring::Turn;
+use unit::failure::Failure;
 
 impl<W: Witness> StepLoop<'_, W> {
     /// Takes the turns of initialization in order and ends it.

@@ -1,9 +1,9 @@
 //! Who sees a run go on besides its trace.
 
 use crate::trace::run_record::RunState;
-use crate::unit::board::Board;
 use std::fmt::Debug;
 use std::sync::Arc;
+use unit::board::Board;
 
 /// Takes what the run shows while it goes on. None of it may wait for anybody, and nothing of it changes the run.
 pub trait Audience: Debug {

@@ -1,14 +1,14 @@
 //! What units said and what is known of a stepping process that died, in the words that the user reads.
 
-use crate::failure::{Cause, Doing, Failure};
-use crate::message::LogMessage;
 use crate::trace::shortest_decimal;
-use crate::unit::board::InCall;
-use crate::wiring::seconds;
 use dsl::scenario::Scenario;
 use fmi2::c::Status;
 use std::os::unix::process::ExitStatusExt;
 use std::process::ExitStatus;
+use unit::board::InCall;
+use unit::failure::{Cause, Doing, Failure};
+use unit::logger::LogMessage;
+use unit::time::seconds;
 
 /// A unit's message with instance and time.
 pub(super) fn log_line(said: &LogMessage, scenario: &Scenario) -> String {

@@ -4,13 +4,13 @@
 //! What units print on either stream goes to the parent's standard error.
 
 use super::{Stepping, cause_of_death};
-use crate::failure::Cause;
 use crate::plan::Plan;
 use std::io::{self, Write};
 use std::os::fd::AsFd;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
+use unit::failure::Cause;
 
 /// The subcommand that the child is started with.
 pub const SUBCOMMAND: &str = "step-loop";

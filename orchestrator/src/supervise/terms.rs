@@ -1,6 +1,5 @@
 //! What whoever looks after a run is told, what it says in the end, and what it looks after.
 
-use crate::failure::{Cause, Failure};
 use crate::message::Finish;
 use crate::plan::Plan;
 use crate::trace::TraceError;
@@ -9,6 +8,7 @@ use crate::trace::verdict::Finding;
 use std::path::PathBuf;
 use std::time::Duration;
 use std::{fmt, io};
+use unit::failure::{Cause, Failure};
 
 /// What the parent of a run is told.
 #[derive(Clone, Debug)]

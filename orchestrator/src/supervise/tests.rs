@@ -1,14 +1,11 @@
 //! The parent's side of a run, with a board that the test itself writes like a stepping process.
 
 use super::*;
-use crate::failure::Doing;
-use crate::message::LogMessage;
 use crate::report::console::Style;
 use crate::trace::run_folder::{RunFolder, TRACE_CSV, TRACE_PARQUET};
 use crate::trace::run_record::{self, RunState};
 use crate::trace::signals::tests::signal;
 use crate::trace::verdict::tests::{claim, scenario};
-use crate::unit::board::ClaimNote;
 use fmi2::calls::Call;
 use fmi2::description::BaseType;
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -17,6 +14,9 @@ use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::ExitStatus;
 use tempfile::TempDir;
+use unit::board::ClaimNote;
+use unit::failure::Doing;
+use unit::logger::LogMessage;
 
 const DIED_OF_SIGSEGV: i32 = 11;
 const EXITED_WITH_0: i32 = 0;

@@ -1,7 +1,7 @@
 //! Words of units, told in one order wherever the units are: by the tick at which they count, then by instance.
 
-use crate::message::LogMessage;
 use std::collections::BTreeMap;
+use unit::logger::LogMessage;
 
 /// Words that wait for more than these bytes are told at once, in the order in which they came.
 const MOST_BYTES: usize = 16 << 20;

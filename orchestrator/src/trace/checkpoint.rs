@@ -10,7 +10,6 @@ use super::TraceError;
 use super::run_folder::PARTIAL;
 use super::run_record::{HashedFile, RunRecord};
 use crate::step_loop::Checkpoint;
-use crate::wiring::seconds;
 use dsl::scenario::{Parameter, Scenario};
 use fmi2::description::ModelDescription;
 use serde::{Deserialize, Serialize};
@@ -18,6 +17,7 @@ use sha2::{Digest, Sha256};
 use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
+use unit::time::seconds;
 
 const MAGIC: &[u8; 8] = b"LOCKCKPT";
 const FORMAT: u32 = 1;

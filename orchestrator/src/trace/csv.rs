@@ -5,9 +5,9 @@
 //! row.
 
 use super::TraceError;
-use crate::wiring::seconds;
 use fmi2::description::BaseType;
 use std::io::{self, Write};
+use unit::time::seconds;
 
 /// Room for the longest number.
 const LONGEST: usize = 24;

@@ -8,7 +8,6 @@
 use super::run_folder::PartialFile;
 use super::signals::Signal;
 use super::{TraceError, arrow_schema};
-use crate::wiring::seconds;
 use fmi2::description::BaseType;
 use parquet::basic::{Compression, Encoding, Repetition, Type as PhysicalType};
 use parquet::data_type::{BoolType, DataType, DoubleType, Int32Type};
@@ -22,6 +21,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread;
+use unit::time::seconds;
 
 /// Rows go to the thread in blocks of about this much memory, which a processor's own cache holds.
 const BLOCK_BYTES: usize = 256 << 10;

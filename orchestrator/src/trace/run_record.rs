@@ -1,10 +1,10 @@
 //! `run.json`: what was run, on which machine, how long it took and how it ended.
 
-use crate::failure::Failure;
 use dsl::scenario::Parameter;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::time::{Duration, SystemTime};
+use unit::failure::Failure;
 
 /// The content of `run.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -124,7 +124,7 @@ impl Broken {
 
 impl From<&Failure> for Broken {
     fn from(failure: &Failure) -> Self {
-        use crate::failure::Doing;
+        use unit::failure::Doing;
         let call = (failure.doing != Doing::BetweenCalls).then(|| failure.doing.to_string());
         Self { instance: failure.instance.clone(), call, time_s: failure.time_s, message: failure.to_string() }
     }
@@ -154,8 +154,8 @@ pub fn sha256(bytes: &[u8]) -> String {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::failure::{Cause, Doing};
     use fmi2::calls::Call;
+    use unit::failure::{Cause, Doing};
 
     pub(crate) fn record() -> RunRecord {
         let file = |name: &str| HashedFile { name: name.to_owned(), sha256: sha256(name.as_bytes()) };

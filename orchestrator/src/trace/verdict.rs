@@ -1,9 +1,9 @@
 //! `verdict.json`: the claims and how they came out, each with the margin by which it held or failed.
 
 use crate::message::Reason;
-use crate::wiring::seconds;
 use dsl::scenario::{Claim, Parameter, Scenario};
 use serde::Serialize;
+use unit::time::seconds;
 
 /// How a claim came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]

@@ -1,13 +1,14 @@
 //! Instances in this very process: an order is a few calls through function pointers.
 
 use super::{Leaving, Lost, Order, Reply, Terminated, Ticket, Worker};
-use crate::failure::Failure;
-use crate::unit::board::{Note, Now};
-use crate::unit::instance::{Instance, StepResult};
 use crate::values::Values;
-use crate::wiring::{Group, Member, Pick, Ports, Span, seconds};
+use crate::wiring::{Group, Member, Pick, Ports, Span};
 use fmi2::description::BaseType;
 use std::ops::Range;
+use unit::board::{Note, Now};
+use unit::failure::Failure;
+use unit::instance::{Instance, StepResult};
+use unit::time::seconds;
 
 /// An instance in initialization mode, with its index in the scenario.
 #[derive(Debug)]

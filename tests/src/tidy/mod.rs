@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn unsafe_code_outside_its_two_places_is_found() {
         let found = after("dsl/src/x.rs", "//! Something that is unsafe.\nfn f() { unsafe { g() } }\n");
-        assert_eq!(found, ["dsl/src/x.rs:2: `unsafe` outside fmus/fmu and orchestrator/src/unit"]);
+        assert_eq!(found, ["dsl/src/x.rs:2: `unsafe` outside fmus/fmu and orchestrator/unit"]);
     }
 
     #[test]

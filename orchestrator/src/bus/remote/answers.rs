@@ -4,10 +4,8 @@ use super::{Asked, Remote, START_DEADLINE};
 use crate::bus::link::{Heard, Link};
 use crate::bus::opening::{Aside, Speaker};
 use crate::bus::wire::{Blocks, Header, Incoming, Malformed};
-use crate::failure::{Cause, Failure};
 use crate::message::Message;
 use crate::supervise::cause_of_death;
-use crate::unit::board::Board;
 use crate::watchdog::Watchdog;
 use crate::wiring::Member;
 use crate::worker::Lost;
@@ -15,6 +13,8 @@ use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
 use std::thread::{sleep, yield_now};
 use std::time::{Duration, Instant};
+use unit::board::Board;
+use unit::failure::{Cause, Failure};
 
 /// How long one attempt to reach a process may take, and how many there are: between two it is seen whether it lives.
 const DIAL: Duration = Duration::from_secs(2);

@@ -4,14 +4,14 @@ use super::*;
 use crate::bus::link::{Listening, put};
 use crate::bus::worker_process::{Service, Spoken};
 use crate::flight::tests::plan;
-use crate::unit::archive::unpack;
-use crate::unit::board::BoardLayout;
 use crate::worker::Terminated;
 use ::tests::foreign::Foreign;
 use ::tests::program::repository;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
+use unit::archive::unpack;
+use unit::board::BoardLayout;
 
 /// Exchanges an answer of a kind; `None` keeps it back.
 type Lie = fn(Vec<u8>) -> Option<Vec<u8>>;

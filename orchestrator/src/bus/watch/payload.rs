@@ -6,10 +6,10 @@
 use crate::trace::run_record::RunState;
 use crate::trace::shortest_decimal;
 use crate::trace::verdict::{Finding, JudgedClaim, Judgement};
-use crate::wiring::seconds;
 use dsl::scenario::Claim;
 use fmi2::description::BaseType;
 use serde::{Serialize, Serializer};
+use unit::time::seconds;
 
 /// A recorded variable of an instance.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -4,11 +4,11 @@ use super::*;
 use crate::plan::PlannedUnit;
 use crate::trace::signals::tests::description;
 use crate::trace::verdict::tests::scenario;
-use crate::unit::board::BoardLayout;
 use dsl::scenario::{Column, Port};
 use serde_json::Value;
 use std::collections::VecDeque;
 use std::path::PathBuf;
+use unit::board::BoardLayout;
 use zenoh::sample::Sample;
 use zenoh::{Session, Wait};
 

@@ -4,17 +4,17 @@ use super::Spoken;
 use crate::bus::link::LONGEST_MESSAGE;
 use crate::bus::opening::{self, Aside, Company, Initial, Opening, Picked, Speaker};
 use crate::bus::wire::{Blocks, Header, Incoming, Kind, Malformed, Outgoing};
-use crate::failure::{Cause, Doing, Failure};
 use crate::flight::boarding::{Gate, Passenger, enter_initialization};
 use crate::message::Message;
 use crate::plan::PlannedUnit;
-use crate::unit::archive::read_unpacked;
-use crate::unit::board::Board;
 use crate::values::Values;
 use crate::wiring::{Group, Member, Ports};
 use crate::worker::{InProcess, Leaving, Lost, Order, Seating, Ticket, Worker};
 use fmi2::description::ModelDescription;
 use std::sync::Arc;
+use unit::archive::read_unpacked;
+use unit::board::Board;
+use unit::failure::{Cause, Doing, Failure};
 
 /// One run as a worker sees it.
 pub struct Service {
@@ -314,8 +314,8 @@ fn lost(opening: &Opening, mut failure: Failure) -> Lost {
 mod tests {
     use super::*;
     use crate::bus::opening::bytes;
-    use crate::unit::board::BoardLayout;
     use proptest::prelude::*;
+    use unit::board::BoardLayout;
 
     fn greeted() -> Service {
         let board = Arc::new(Board::private(&BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap());

@@ -1,8 +1,9 @@
 //! What units say until the next reply takes it along: on the board, where it outlives the process.
 
-use crate::message::{LogMessage, Message};
-use crate::unit::board::Board;
+use crate::message::Message;
 use std::sync::{Arc, Mutex, PoisonError};
+use unit::board::Board;
+use unit::logger::LogMessage;
 
 /// One reply takes no more bytes of words than these; the rest is dropped, and how much that was is told. Calls are never.
 const MOST_BYTES: usize = 8 << 20;
@@ -71,7 +72,7 @@ impl Taken {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::unit::board::BoardLayout;
+    use unit::board::BoardLayout;
 
     fn spoken() -> Arc<Spoken> {
         Spoken::new(Arc::new(Board::private(&BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap()))

@@ -3,10 +3,10 @@
 use super::counted;
 use super::fold::{groups, without_shared_members};
 use crate::trace::shortest_decimal;
-use crate::wiring::seconds;
 use dsl::scenario::{Connection, Drive, InitialStep, Port, RealExpression, Scenario};
 use fmi2::description::{Causality, ModelDescription, Variable};
 use std::fmt::Write;
+use unit::time::seconds;
 
 /// The plan of a script.
 pub(super) fn text(scenario: &Scenario, descriptions: &[&ModelDescription]) -> String {

@@ -1,10 +1,10 @@
 //! What the standard has against a unit's file, a line for each finding.
 
 use super::Checked;
-use crate::unit::archive::examine;
-use crate::unit::error::UnitError;
 use fmi2::description::{Finding, ModelDescription, Severity};
 use std::path::Path;
+use unit::archive::examine;
+use unit::error::UnitError;
 
 /// Checks an archive by every rule of the standard, without running anything in it.
 ///

@@ -7,12 +7,12 @@ use crate::catalogue::Catalogue;
 use crate::preparation::Refusal;
 use crate::script::Script;
 use crate::trace::shortest_decimal;
-use crate::unit::archive::read_loadable;
-use crate::unit::error::UnitError;
 use dsl::scenario::{Column, Connection, Drive, InitialStep, Port, Preset, Scenario};
 use fmi2::description::{BaseType, Causality, ModelDescription};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use unit::archive::read_loadable;
+use unit::error::UnitError;
 
 /// A unit, found.
 #[derive(Clone, Debug)]

@@ -2,10 +2,10 @@
 
 use super::fake::{Answer, Flown, P, Script, U, V, Y, answering, counter, description, port, repeater, signal, unit};
 use super::{TIME, number};
-use crate::failure::Cause;
 use crate::message::Reason;
 use crate::step_loop::Checkpoint;
 use dsl::scenario::{BooleanExpression, Formula, Margin, RealExpression, TickWindow};
+use unit::failure::Cause;
 
 impl Script {
     pub fn saving(mut self, ticks: impl IntoIterator<Item = u64>) -> Self {

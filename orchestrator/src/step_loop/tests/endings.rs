@@ -3,10 +3,10 @@
 use super::fake::{Answer, Script, Step, U, Y, answering, counter, port, repeater, signal, unit};
 use super::number;
 use crate::claims::Verdict;
-use crate::failure::{Cause, Doing};
 use crate::message::{Finish, Reason};
 use dsl::scenario::{Formula, Margin, RealExpression};
 use fmi2::calls::Call;
+use unit::failure::{Cause, Doing};
 
 fn below(instance: usize, limit: f64) -> Formula {
     let value = RealExpression::Subtract(Box::new(number(limit)), Box::new(signal(instance)));

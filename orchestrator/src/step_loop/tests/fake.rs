@@ -1,7 +1,6 @@
 //! Units made of closures, behind the worker's trait, and scripts made of a few words.
 
 use crate::claims::{Claims, Standing, Verdict};
-use crate::failure::{Cause, Doing, Failure};
 use crate::message::Finish;
 use crate::step_loop::{Checkpoint, StepLoop, Wishes, Witness};
 use crate::values::Values;
@@ -14,6 +13,7 @@ use fmi2::calls::Call;
 use fmi2::description::{Causality, Kind, ModelDescription, RealAttributes, RealVariable, Variability, Variable};
 use std::cell::RefCell;
 use std::rc::Rc;
+use unit::failure::{Cause, Doing, Failure};
 
 /// Variables of every fake unit.
 pub const U: usize = 0;

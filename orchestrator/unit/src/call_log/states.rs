@@ -1,7 +1,7 @@
 //! The functions that save and restore states, with a word before and after each.
 
 use super::Logged;
-use crate::unit::library::StateFunctions;
+use crate::library::StateFunctions;
 use fmi2::c::{Component, FmuState, RawStatus};
 use fmi2::calls::Call;
 use std::ffi::c_char;

@@ -10,11 +10,10 @@
 
 mod states;
 
-use super::board::Note;
+use super::board::{Board, Note};
 use super::library::{Functions, StateFunctions};
 use super::variable_names::VariableNames;
-use crate::trace::shortest_decimal;
-use crate::wiring::seconds;
+use crate::time::seconds;
 use fmi2::c::{
     Boolean, Component, FALSE, LAST_SUCCESSFUL_TIME, RawStatus, Status, StatusKind, Str, TERMINATED, TRUE,
     ValueReference,
@@ -25,6 +24,9 @@ use std::ffi::CStr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::slice;
 use std::sync::Arc;
+
+/// The most bytes of a log that one message carries.
+pub const LONGEST_PIECE: usize = Board::LONGEST_MESSAGE / 16;
 
 /// Where pieces of lines go.
 pub type CallSink = Arc<dyn Fn(&str) + Send + Sync>;
@@ -321,4 +323,11 @@ unsafe extern "C" fn free_instance(component: Component) {
     // SAFETY: the unit gets its own component, for the last time.
     unsafe { (logged.functions.free_instance)(logged.component) };
     logged.teller.end(|| "returned".to_owned());
+}
+
+/// The shortest decimal that reads back to the same number, without `.0`.
+fn shortest_decimal(value: f64) -> String {
+    let mut buffer = zmij::Buffer::new();
+    let text = buffer.format(value);
+    text.strip_suffix(".0").unwrap_or(text).to_owned()
 }

@@ -1,6 +1,6 @@
 //! The functions of FMI 2.0 for co-simulation that a run calls, as pointers into a library.
 
-use crate::unit::error::UnitError;
+use crate::error::UnitError;
 use fmi2::c::{Boolean, CallbackFunctions, Component, FmuType, RawStatus, StatusKind, Str, ValueReference};
 use fmi2::calls::Call;
 use libloading::os::unix as loader;
@@ -17,7 +17,7 @@ pub type Plain = unsafe extern "C" fn(Component) -> RawStatus;
 /// A function without arguments that answers a text.
 pub type Answer = unsafe extern "C" fn() -> Str;
 
-/// The functions, raw. Calling one of them past [`Instance`](crate::unit::instance::Instance) leaves no note.
+/// The functions, raw. Calling one of them past [`Instance`](crate::instance::Instance) leaves no note.
 #[derive(Clone, Copy, Debug)]
 #[expect(missing_docs, reason = "each is the function of the standard of the same name")]
 pub struct Functions {

@@ -1,11 +1,11 @@
 //! From `fmi2Instantiate` to `fmi2FreeInstance`.
 
 use super::{Instance, LogTap, Rest, Strings};
+use crate::board::{Note, Now};
+use crate::call_log::{CallLog, Calls, Teller};
 use crate::failure::{Cause, Doing, Failure};
-use crate::unit::board::{Note, Now};
-use crate::unit::call_log::{CallLog, Calls, Teller};
-use crate::unit::library::{Functions, Library, undisturbed};
-use crate::unit::logger::{Environment, LOGGER, LogSink, Registration};
+use crate::library::{Functions, Library, preserved};
+use crate::logger::{Environment, LOGGER, LogSink, Registration};
 use fmi2::c::{Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE};
 use fmi2::calls::Call;
 use std::ffi::{CStr, CString};
@@ -151,7 +151,7 @@ fn callbacks(registration: &Registration) -> Box<CallbackFunctions> {
 fn call_instantiate(library: &Library, name: &CStr, callbacks: &CallbackFunctions, logging_on: bool) -> Component {
     let (guid, resources) = (library.guid.as_ptr(), library.resources.as_ptr());
     let (visible, logging) = (FALSE, Boolean::from(logging_on));
-    undisturbed(|| {
+    preserved(|| {
         // SAFETY: the texts and the callbacks outlive the call, and whoever keeps the instance keeps the callbacks.
         unsafe {
             (library.functions.instantiate)(name.as_ptr(), CO_SIMULATION, guid, resources, callbacks, visible, logging)

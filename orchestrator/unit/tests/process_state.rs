@@ -2,14 +2,14 @@
 //! directory belongs to all threads.
 #![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
 
-use orchestrator::unit::archive::unpack;
-use orchestrator::unit::board::{Board, BoardLayout};
-use orchestrator::unit::instance::{Instance, Setting};
-use orchestrator::unit::library::Library;
 use std::env::current_dir;
 use std::hint::black_box;
 use std::sync::Arc;
 use tests::foreign::Foreign;
+use unit::archive::unpack;
+use unit::board::{Board, BoardLayout};
+use unit::instance::{Instance, Setting};
+use unit::library::Library;
 
 #[test]
 fn an_instantiate_that_changes_rounding_and_folder_is_undone() {

@@ -4,8 +4,8 @@
 //! log after their instance is gone, and neither may make us read where nothing is.
 
 use super::LogSink;
-use crate::unit::board::Note;
-use crate::unit::variable_names::VariableNames;
+use crate::board::Note;
+use crate::variable_names::VariableNames;
 use fmi2::c::ComponentEnvironment;
 use std::collections::BTreeMap;
 use std::ptr::without_provenance_mut;

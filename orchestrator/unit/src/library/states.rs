@@ -8,7 +8,7 @@ use std::ffi::c_char;
 
 /// The functions, all of them; of use to units that say so.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::unit) struct StateFunctions {
+pub(crate) struct StateFunctions {
     pub get: unsafe extern "C" fn(Component, *mut FmuState) -> RawStatus,
     pub set: unsafe extern "C" fn(Component, FmuState) -> RawStatus,
     pub free: unsafe extern "C" fn(Component, *mut FmuState) -> RawStatus,

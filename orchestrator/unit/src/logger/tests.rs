@@ -1,8 +1,8 @@
 //! The logger as a unit in C calls it: variadic, through the function pointer that units get.
 
 use super::*;
-use crate::unit::board::{Board, BoardLayout, Note};
-use crate::unit::variable_names::VariableNames;
+use crate::board::{Board, BoardLayout, Note};
+use crate::variable_names::VariableNames;
 use std::ffi::{CString, c_void};
 use std::ptr;
 use std::sync::Mutex;

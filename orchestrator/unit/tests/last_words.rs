@@ -2,17 +2,17 @@
 #![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
 
 use fmi2::calls::Call;
-use orchestrator::failure::Doing;
-use orchestrator::unit::archive::{read_description, unpack};
-use orchestrator::unit::board::{Board, BoardLayout};
-use orchestrator::unit::instance::{Instance, Setting};
-use orchestrator::unit::library::Library;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tests::foreign::Foreign;
+use unit::archive::{read_description, unpack};
+use unit::board::{Board, BoardLayout};
+use unit::failure::Doing;
+use unit::instance::{Instance, Setting};
+use unit::library::Library;
 
 const FOLDER: &str = "LAST_WORDS_FOLDER";
 const LAYOUT: BoardLayout = BoardLayout { notes: 1, columns: 1, claims: 0 };
@@ -26,7 +26,7 @@ fn run_that_a_unit_ends() {
     let (description, _) = read_description(&folder.join("foreign.fmu")).unwrap();
     let library = Library::load(&folder.join("unpacked"), &description, &board.note(0), 5).unwrap();
     let tell = Arc::clone(&board);
-    let sink = Arc::new(move |message: orchestrator::message::LogMessage| {
+    let sink = Arc::new(move |message: unit::logger::LogMessage| {
         tell.push_message(message.text.as_bytes());
     });
     let note = board.note(0);

@@ -2,15 +2,15 @@
 #![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
 
 use fmi2::calls::Call;
-use orchestrator::failure::{Cause, Doing, Failure};
-use orchestrator::message::LogMessage;
-use orchestrator::unit::archive::{Unpacked, unpack};
-use orchestrator::unit::board::{Board, BoardLayout, Note, Now};
-use orchestrator::unit::instance::{Instance, Setting, StepResult};
-use orchestrator::unit::library::Library;
 use std::sync::{Arc, Mutex};
 use tempfile::TempDir;
 use tests::foreign::Foreign;
+use unit::archive::{Unpacked, unpack};
+use unit::board::{Board, BoardLayout, Note, Now};
+use unit::failure::{Cause, Doing, Failure};
+use unit::instance::{Instance, Setting, StepResult};
+use unit::library::Library;
+use unit::logger::LogMessage;
 
 const STEP_S: f64 = 0.5;
 const U: u32 = 0;

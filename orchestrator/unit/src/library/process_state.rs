@@ -13,7 +13,7 @@ unsafe extern "C" {
 }
 
 /// Runs foreign code, then puts rounding mode, exception masks and working directory back.
-pub fn undisturbed<T>(foreign: impl FnOnce() -> T) -> T {
+pub fn preserved<T>(foreign: impl FnOnce() -> T) -> T {
     let folder = env::current_dir();
     let mut floating_point = FloatingPointEnvironment([0; 64]);
     // SAFETY: the C library fills in at most as many bytes as its own type has.
@@ -41,7 +41,7 @@ fn rounding_is_put_back() {
     // SAFETY: both functions take and give plain numbers and concern this thread only.
     let round = || unsafe { fegetround() };
     let before = round();
-    let within = undisturbed(|| {
+    let within = preserved(|| {
         // SAFETY: as above; 0x400 rounds down on x86-64 and is refused elsewhere.
         unsafe { fesetround(0x400) };
         round()

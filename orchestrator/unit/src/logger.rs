@@ -16,11 +16,28 @@ mod trampoline;
 pub(super) use environment::{Environment, Registration};
 pub(super) use trampoline::LOGGER;
 
-use crate::message::LogMessage;
 use fmi2::c::{ComponentEnvironment, RawStatus, Str};
+use serde::{Deserialize, Serialize};
 use std::ffi::CStr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
+
+/// A log message of a unit, with its printf arguments in place.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LogMessage {
+    /// Index of the instance; `None` before one exists.
+    pub instance: Option<usize>,
+    /// The tick of the call in which the unit logged it.
+    pub tick: u64,
+    /// The tick at which that call's result counts: the message is shown then, wherever the instance is.
+    pub counts_at: u64,
+    /// The status as the unit gave it.
+    pub status: RawStatus,
+    /// The category as the unit gave it.
+    pub category: String,
+    /// The text.
+    pub text: String,
+}
 
 /// Where messages of units go; called by any thread.
 pub type LogSink = Arc<dyn Fn(LogMessage) + Send + Sync>;

@@ -1,12 +1,12 @@
 //! A unit's dynamic library, loaded once for all of its instances.
 
 mod functions;
+mod process_state;
 mod states;
-mod surroundings;
 
 pub use functions::{DoStep, Functions, Get, Set};
+pub(super) use process_state::preserved;
 pub(super) use states::StateFunctions;
-pub(super) use surroundings::undisturbed;
 
 use super::board::Note;
 use super::error::{Refusal, UnitError};
@@ -62,7 +62,7 @@ impl Library {
         offer_libm();
         let now = note.at(0, 0.0);
         now.enter(instance, Doing::Load);
-        let opened = undisturbed(|| {
+        let opened = preserved(|| {
             // SAFETY: the library's constructors are foreign code; that it may do anything is why this process has a
             // parent that watches over it.
             unsafe { loader::Library::open(Some(&path), loader::RTLD_NOW | loader::RTLD_LOCAL) }

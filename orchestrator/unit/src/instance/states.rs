@@ -1,9 +1,9 @@
 //! An instance's state as bytes, by the standard's functions, and back.
 
 use super::Instance;
+use crate::board::Now;
 use crate::failure::{Cause, Failure};
-use crate::unit::board::Now;
-use crate::unit::library::StateFunctions;
+use crate::library::StateFunctions;
 use fmi2::c::FmuState;
 use fmi2::calls::Call;
 use std::ptr;

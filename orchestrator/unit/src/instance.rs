@@ -10,9 +10,8 @@ pub use lifecycle::Setting;
 
 use super::board::{Note, Now};
 use super::library::{DoStep, Functions, Get, Library, Set, StateFunctions};
-use super::logger::{LogSink, Registration};
+use super::logger::{LogMessage, LogSink, Registration};
 use crate::failure::{Cause, Doing, Failure};
-use crate::message::LogMessage;
 use fmi2::c::{
     Boolean, CallbackFunctions, Component, FALSE, LAST_SUCCESSFUL_TIME, RawStatus, Status, TERMINATED, TRUE,
 };
