@@ -1,4 +1,4 @@
-//! How the frames of the papers are laid upon ours, one function for each kind of quantity.
+//! Conversions between the frames of the papers and ours, one function for each kind of quantity.
 //!
 //! ```text
 //! Geng & Chulin (2016): x forward, y up, z right      ours = (x, -z, y)
@@ -7,43 +7,43 @@
 //!
 //! | Symbol | Here        | Unit | Meaning                                        |
 //! |--------|-------------|------|------------------------------------------------|
-//! | ψ      | `angles[0]` | rad  | about y up, turning left                       |
-//! | θ      | `angles[1]` | rad  | about z, nose up positive                      |
-//! | γ      | `angles[2]` | rad  | about x, right side down positive              |
+//! | ψ      | `angles[0]` | rad  | about y (up), positive to the left             |
+//! | θ      | `angles[1]` | rad  | about z, positive nose up                      |
+//! | γ      | `angles[2]` | rad  | about x, positive right side down              |
 //!
-//! Both frames are right-handed and share x, so one quarter turn about x serves world and body, positions, velocities,
-//! rates and moments, and the vector part of quaternions. Source: Geng & Chulin (2016), eq. 10. There the element in
-//! row 2, column 3 is printed `+cos θ sin γ`; that matrix is not orthogonal, and `-cos θ sin γ` is meant.
+//! Both frames are right-handed and share x, so one quarter turn about x converts world and body vectors: positions,
+//! velocities, rates, moments, and the vector part of quaternions. Source: Geng & Chulin (2016), eq. 10. There the
+//! element in row 2, column 3 is printed `+cos θ sin γ`; that matrix is not orthogonal, and `-cos θ sin γ` is meant.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-/// Turns a vector of Geng & Chulin (2016) into our axes, world to world or body to body.
+/// Converts a vector of Geng & Chulin (2016) to our axes, world to world or body to body.
 #[must_use]
 pub fn vector_from_geng_chulin(theirs: Vector3<f64>) -> Vector3<f64> {
     Vector3::new(theirs.x, -theirs.z, theirs.y)
 }
 
-/// Turns a vector in our axes into those of Geng & Chulin (2016), world to world or body to body.
+/// Converts a vector in our axes to those of Geng & Chulin (2016), world to world or body to body.
 #[must_use]
 pub fn vector_to_geng_chulin(ours: Vector3<f64>) -> Vector3<f64> {
     Vector3::new(ours.x, ours.z, -ours.y)
 }
 
-/// Turns the attitude (body to world) of Geng & Chulin (2016) into ours.
+/// Converts the attitude (body to world) of Geng & Chulin (2016) to ours.
 #[must_use]
 pub fn attitude_from_geng_chulin(theirs: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
     let imaginary = vector_from_geng_chulin(theirs.imag());
     UnitQuaternion::new_unchecked(Quaternion::from_parts(theirs.w, imaginary))
 }
 
-/// Turns the angles (ψ, θ, γ) of Geng & Chulin (2016) into our attitude.
+/// Converts the angles (ψ, θ, γ) of Geng & Chulin (2016) to our attitude.
 #[must_use]
 pub fn attitude_from_geng_chulin_angles(angles: [f64; 3]) -> UnitQuaternion<f64> {
     let [psi, theta, gamma] = angles;
     UnitQuaternion::from_euler_angles(gamma, -theta, psi)
 }
 
-/// Turns our attitude into the angles (ψ, θ, γ) of Geng & Chulin (2016).
+/// Converts our attitude to the angles (ψ, θ, γ) of Geng & Chulin (2016).
 #[must_use]
 pub fn angles_to_geng_chulin(attitude: &UnitQuaternion<f64>) -> [f64; 3] {
     let (roll, pitch, yaw) = attitude.euler_angles();
@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_become_the_attitude_of_the_vectors_and_return() {
+    fn angles_convert_to_the_attitude_of_the_vectors_and_back() {
         let frames = &get("frames")["paper_q"];
         let attitude = attitude_from_geng_chulin_angles(angles());
         let (roll, pitch, yaw) = attitude.euler_angles();
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn the_rotation_is_that_of_the_corrected_equation_10() {
+    fn the_rotation_equals_that_of_the_corrected_equation_10() {
         let to_ours = Matrix3::from_columns(&[Vector3::x(), Vector3::y(), Vector3::z()].map(vector_from_geng_chulin));
         let ours = attitude_from_geng_chulin_angles(angles()).to_rotation_matrix();
         let theirs = to_ours.transpose() * ours.matrix() * to_ours;
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn their_quaternion_and_their_angles_become_the_same_attitude() {
+    fn the_quaternion_and_the_angles_of_the_paper_convert_to_the_same_attitude() {
         let [psi, theta, gamma] = angles();
         let theirs = Rotation3::from_axis_angle(&Vector3::y_axis(), psi)
             * Rotation3::from_axis_angle(&Vector3::z_axis(), theta)

@@ -15,10 +15,10 @@
 //! | ω      | `body.rate_…`       | rad/s  | body axes                                                           |
 //! | τ_m    | parameter           | s      | time constant of a motor                                            |
 //!
-//! Frame: ours (see the crate's first page). Classical Runge-Kutta steps of at most [`INNER_STEP_S`]; inputs are held.
+//! Frame: ours (see the crate documentation). Classical Runge-Kutta steps of at most [`INNER_STEP_S`]; inputs are held.
 //! A unit quaternion is integrated because the Euler angles of eq. 14 are singular at 90° and because the equation is
-//! printed with a division by `cos γ` where `cos θ` is meant; its angles are those of [`State::roll_pitch_yaw_rad`].
-//! Valid while the rotors work in air that they blow downwards: no vortex ring, no in-plane rotor force.
+//! printed with a division by `cos γ` where `cos θ` is meant; [`State::roll_pitch_yaw_rad`] returns the angles.
+//! Valid while the flow through the rotors is downwards: no vortex ring state; no in-plane rotor force is modelled.
 //! Source: Geng & Chulin (2016), eqs. 1–14; airframe of Bouabdallah (2007).
 
 mod contact;
@@ -43,19 +43,19 @@ pub use parameters::{Parameters, RotorModel};
 /// Longest inner step of the integration.
 pub const INNER_STEP_S: f64 = 0.0025;
 
-/// What acts on the quadcopter from outside, held over a step.
+/// The inputs of the quadcopter, held over a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inputs {
-    /// Commanded rotor speeds; limited to what the motors can turn.
+    /// Commanded rotor speeds; the step limits them to the speed range of the motors.
     pub rotor_command_rad_s: [f64; 4],
     /// Velocity of the air over the ground, world axes.
     pub wind_world_m_s: Vector3<f64>,
-    /// What is left of each rotor's thrust and drag torque: 1 healthy, 0 lost. The rotor still turns and still has its
-    /// inertia.
+    /// Remaining part of each rotor's thrust and drag torque: 1 healthy, 0 lost. The rotor still turns and still has
+    /// its inertia.
     pub effectiveness: [f64; 4],
 }
 
-/// All that the next step starts from.
+/// The complete state from which the next step starts.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct State {
     /// The rigid body.
@@ -65,7 +65,7 @@ pub struct State {
 }
 
 impl State {
-    /// Starts level, without rotation, its rotors at hover speed if `airborne` and idling at their least speed if not.
+    /// Returns a level state without rotation, with the rotors at hover speed if `airborne`, else at their least speed.
     #[must_use]
     pub fn start(
         parameters: &Parameters,
@@ -86,7 +86,7 @@ impl State {
         }
     }
 
-    /// Moves on by `count` inner steps of `inner_s`, at most [`INNER_STEP_S`] each, with the inputs held.
+    /// Advances the state by `count` inner steps of `inner_s`, at most [`INNER_STEP_S`] each, with the inputs held.
     pub fn step(
         &mut self,
         parameters: &Parameters,
@@ -97,15 +97,15 @@ impl State {
     ) {
         let plant = Plant::new(parameters);
         for _ in 0..count {
-            *self = plant.runge_kutta_step(self, inputs, turbulence.trembling(parameters.ground_turbulence), inner_s);
+            *self = plant.runge_kutta_step(self, inputs, turbulence.fluctuation(parameters.ground_turbulence), inner_s);
             contact::settle(&mut self.body, inner_s);
             turbulence.advance(inner_s);
         }
     }
 
-    /// Moves on by a duration that is a multiple of [`INNER_STEP_S`].
+    /// Advances the state by a duration that is a multiple of [`INNER_STEP_S`].
     #[cfg(test)]
-    pub(crate) fn fly(
+    pub(crate) fn advance(
         &mut self,
         parameters: &Parameters,
         inputs: &Inputs,
@@ -120,7 +120,10 @@ impl State {
     /// Returns the sum of the rotors' thrusts in N for this state and these inputs.
     #[must_use]
     pub fn thrust_n(&self, parameters: &Parameters, inputs: &Inputs, turbulence: &GroundTurbulence) -> f64 {
-        Plant::new(parameters).thrusts_n(self, inputs, turbulence.trembling(parameters.ground_turbulence)).iter().sum()
+        Plant::new(parameters)
+            .thrusts_n(self, inputs, turbulence.fluctuation(parameters.ground_turbulence))
+            .iter()
+            .sum()
     }
 
     /// Returns roll, pitch and yaw in radians; pitch is positive nose down.

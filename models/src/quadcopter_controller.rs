@@ -1,4 +1,4 @@
-//! Flies a quadcopter to a setpoint: position PID, desired angles, backstepping attitude, mixer.
+//! Controls a quadcopter to a setpoint: position PID, desired angles, backstepping attitude, mixer.
 //!
 //! ```text
 //! setpoint, state -> position: force F -> P = |F|, desired roll and pitch -> attitude: moments -> mixer: rotor speeds
@@ -11,8 +11,8 @@
 //! | [`mixer`]          | rotor speeds from thrust and moments            | Geng & Chulin (2016), eq. 13, solved |
 //! | [`gains`]          | the numbers of the modes q1 to q4               | this project's                       |
 //!
-//! Frame: ours. Sampled: one call is one sample, its outputs hold until the next. The paper has the altitude as y and
-//! writes z where it means it; here it is z throughout.
+//! Frame: ours. Sampled: one call is one sample, its outputs hold until the next. The paper's altitude axis is y, but
+//! it also writes z for the altitude; here it is z throughout.
 
 pub mod attitude;
 pub mod gains;
@@ -31,7 +31,7 @@ use crate::vehicle;
 pub use attitude::FormulaSet;
 pub use gains::{Gains, Mode, Pid};
 
-/// What the controller knows of the vehicle, and what it is allowed.
+/// Vehicle parameters and limits of the controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     /// m: mass.
@@ -40,7 +40,7 @@ pub struct Parameters {
     pub gravity_m_s2: f64,
     /// Principal moments of inertia about body x, y, z.
     pub inertia_kg_m2: Vector3<f64>,
-    /// l: from the centre of gravity to each rotor axis.
+    /// l: distance from the centre of gravity to each rotor axis.
     pub arm_m: f64,
     /// k: thrust of a rotor divided by ω².
     pub thrust_coefficient_n_s2: f64,
@@ -52,7 +52,7 @@ pub struct Parameters {
     pub rotor_speed_max_rad_s: f64,
     /// Largest angle between the demanded force and the vertical.
     pub tilt_max_rad: f64,
-    /// Which attitude law.
+    /// The attitude law.
     pub formula_set: FormulaSet,
 }
 
@@ -74,20 +74,20 @@ impl Default for Parameters {
     }
 }
 
-/// What the controller wants.
+/// Outputs of the controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Command {
-    /// Speeds for the rotors right, front, left, rear.
+    /// Commanded speeds of the rotors right, front, left, rear.
     pub rotor_speed_rad_s: [f64; 4],
-    /// Roll that turns the thrust into the demanded force.
+    /// Roll that turns the thrust along the demanded force.
     pub roll_rad: f64,
-    /// Pitch that does; positive nose down.
+    /// Pitch that turns the thrust along the demanded force; positive nose down.
     pub pitch_rad: f64,
     /// Sum of thrusts.
     pub thrust_n: f64,
 }
 
-/// What the controller remembers from sample to sample.
+/// State of the controller between samples.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct State {
     /// Integral parts of the force, world axes; at most 3 N each.

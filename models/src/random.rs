@@ -1,4 +1,4 @@
-//! Random numbers that are the same on every machine for one pair of seed and stream.
+//! Random numbers that are the same on every machine for the same seed and stream.
 //!
 //! ```text
 //! SplitMix64 from seed XOR (stream · 0x9E3779B97F4A7C15) fills the four words of xoshiro256++
@@ -32,7 +32,7 @@ impl Default for Generator {
 
 impl Generator {
     /// Starts the sequence that belongs to `seed` and `stream`; different streams of one seed give
-    /// different sequences. Their beginnings may have words in common: streams 0 and 2 of seed 1 do.
+    /// different sequences. Their initial states may have words in common: streams 0 and 2 of seed 1 do.
     #[must_use]
     pub fn new(seed: u64, stream: u64) -> Self {
         let mut split_mix = seed ^ stream.wrapping_mul(GOLDEN_GAMMA);

@@ -20,9 +20,9 @@
 //! |---------|-------------------|------|-------------------------------------------|
 //! | v       | `speed_m_s`       | m/s  | on the circles                            |
 //! | R₁, R₂  | `radius1_m`, …    | m    | of the circles                            |
-//! | A       | `origin_m`        | m    | where the flight begins                   |
+//! | A       | `origin_m`        | m    | start of the flight                       |
 //!
-//! Frame: world. The paper gives the kinds of the legs and a picture; the numbers are this project's. Durations of the
+//! Frame: world. The paper gives the kinds of the legs and a figure; the numbers are this project's. Durations of the
 //! straight and vertical legs are fixed: another speed changes accelerations and lengths in proportion, another height
 //! the rates of climb. Position and velocity are continuous, acceleration is not at the ends of straights and circles.
 //! The heading is always along x. With the defaults the flight takes 83.99 s. Source: Geng & Chulin (2016), fig. 4.
@@ -34,7 +34,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::vehicle::Setpoint;
 
-/// Size, place and speed of the flight.
+/// Size, origin and speed of the flight.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     /// Height of the flight above its origin.
@@ -55,12 +55,12 @@ impl Default for Parameters {
     }
 }
 
-/// Where the flight is at one instant.
+/// The reference at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reference {
-    /// What the vehicle should do.
+    /// Setpoint of the vehicle.
     pub setpoint: Setpoint,
-    /// From 1 (A→B) to 7 (G→H, with the rest after landing).
+    /// Leg from 1 (A→B) to 7 (G→H, including the rest after landing).
     pub leg: i32,
     /// Whether the whole flight is over.
     pub finished: bool,
@@ -69,9 +69,9 @@ pub struct Reference {
 /// A part of the flight with one law of motion.
 #[derive(Debug, Clone, Copy)]
 enum Piece {
-    /// Rest to rest by this much upwards.
+    /// Climb by this height from rest to rest.
     Vertical { rise_m: f64 },
-    /// Along the present course.
+    /// Straight along the present course.
     Straight { speed_m_s: f64, acceleration_m_s2: f64 },
     /// Half a circle; `side` is 1 to the left and -1 to the right.
     HalfCircle { radius_m: f64, speed_m_s: f64, side: f64 },
@@ -104,7 +104,7 @@ impl Piece {
         }
     }
 
-    /// Way from start to end, and whether the course is turned round.
+    /// Displacement from start to end, and whether the course is reversed.
     fn whole(self, course: f64, duration_s: f64) -> (Vector3<f64>, bool) {
         match self {
             Self::HalfCircle { radius_m, side, .. } => (Vector3::new(0.0, course * side * 2.0 * radius_m, 0.0), true),
@@ -113,7 +113,7 @@ impl Piece {
     }
 }
 
-/// Quintic from 0 to 1 over `duration_s` at the part `tau` of it: value, rate per s, acceleration per s².
+/// Quintic from 0 to 1 over `duration_s` at the fraction `tau` of it: value, rate per s, acceleration per s².
 fn rest_to_rest(tau: f64, duration_s: f64) -> [f64; 3] {
     let (tau2, tau3) = (tau * tau, tau * tau * tau);
     [
@@ -153,7 +153,7 @@ impl Parameters {
         self.pieces().iter().map(|(_, duration_s, _)| duration_s).sum()
     }
 
-    /// Returns where the flight is `time_s` after its start; before the start it waits at A, after the end at H.
+    /// Returns the reference `time_s` after the start of the flight; it is A before the start and H after the end.
     #[must_use]
     pub fn reference(&self, time_s: f64) -> Reference {
         let mut left_s = time_s.max(0.0);
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn position_and_velocity_are_continuous_and_each_the_derivative_of_the_one_before() {
+    fn position_and_velocity_are_continuous_and_each_quantity_is_the_derivative_of_the_one_before() {
         let h = 1e-4;
         for n in 1..839_900 / 7 {
             let time_s = f64::from(n) * 7.0 * h;
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn circles_ask_for_centripetal_acceleration_towards_their_centres() {
+    fn circles_need_centripetal_acceleration_towards_their_centres() {
         let ends = leg_ends_s();
         let circles = [(ends[2], ends[3], [51.0, -20.0, 10.0], 20.0), (ends[4], ends[5], [21.0, -55.0, 10.0], 15.0)];
         for (from_s, to_s, centre, radius) in circles {

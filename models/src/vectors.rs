@@ -1,4 +1,4 @@
-//! The test vectors of `tests/vectors.json`, read by the unit tests that stand under the items they check.
+//! The test vectors of `tests/vectors.json`, read by the unit tests.
 
 use nalgebra::Vector3;
 use serde_json::Value;
@@ -31,7 +31,7 @@ pub fn assert_close(actual: f64, expected: f64, tolerance: f64) {
     assert!((actual - expected).abs() <= allowed, "{actual} is not {expected} within {allowed:e}");
 }
 
-/// Asserts [`assert_close`] member by member.
+/// Asserts [`assert_close`] for each element.
 #[track_caller]
 pub fn assert_all_close(actual: &[f64], expected: &[f64], tolerance: f64) {
     assert_eq!(actual.len(), expected.len());

@@ -1,14 +1,14 @@
-//! What is known of any vehicle at one instant, and what it is asked to do.
+//! State and setpoint of any vehicle at one instant.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// Where a vehicle is and how it moves.
+/// Position, attitude and motion of a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct State {
     /// Centre of gravity, world axes.
     pub position_m: Vector3<f64>,
-    /// Turns body vectors into world vectors.
+    /// Rotation of body vectors into world vectors.
     pub attitude: UnitQuaternion<f64>,
     /// Velocity over the ground, world axes.
     pub velocity_world_m_s: Vector3<f64>,
@@ -16,7 +16,7 @@ pub struct State {
     pub rate_body_rad_s: Vector3<f64>,
 }
 
-/// Where a vehicle should be and how it should move there.
+/// Desired position, motion and heading of a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Setpoint {
     /// Position, world axes.
@@ -30,7 +30,7 @@ pub struct Setpoint {
 }
 
 impl Setpoint {
-    /// Asks to stand still at `position_m` and to look along x.
+    /// Returns the setpoint at rest at `position_m` with the heading along x.
     #[must_use]
     pub fn hold(position_m: Vector3<f64>) -> Self {
         Self { position_m, velocity_m_s: Vector3::zeros(), acceleration_m_s2: Vector3::zeros(), yaw_rad: 0.0 }

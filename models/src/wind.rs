@@ -15,8 +15,8 @@
 //! | e₁, e₂     | `along`, `left`        | 1    | horizontal directions: of the mean wind (x in calm), left of it   |
 //! | t₀, T, A   | [`Gust`]               | s, s, m/s | start, duration and amplitude of a gust                      |
 //!
-//! Frame: world. The wind says where the air moves to. Turbulence has samples of its own: sample n holds from n Δ until
-//! (n+1) Δ, and the field is frozen: it passes the vehicle with their relative velocity, at least 1 m/s.
+//! Frame: world. The wind vector points to where the air moves. Turbulence has its own sample time: sample n holds from
+//! n Δ until (n+1) Δ. The field is frozen: it passes the vehicle with their relative velocity, at least 1 m/s.
 
 pub mod dryden;
 
@@ -33,23 +33,23 @@ const LEAST_PASSING_SPEED_M_S: f64 = 1.0;
 /// How the steady wind depends on height.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Profile {
-    /// Equal at all heights.
+    /// Uniform: equal at all heights.
     #[default]
     Uniform,
-    /// Logarithmic in the height.
+    /// Logarithmic in height.
     Log,
 }
 
-/// What kind of air it is.
+/// Parameters of the wind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     /// How the steady wind depends on height.
     pub profile: Profile,
     /// z₀: roughness length of the ground; between 0 and 1 m.
     pub roughness_m: f64,
-    /// W₂₀: wind speed at 20 ft that sets the strength of the turbulence; 0 for none.
+    /// W₂₀: wind speed at 20 ft that sets the intensity of the turbulence; 0 disables it.
     pub turbulence_m_s: f64,
-    /// Δ: how long a sample of the turbulence holds.
+    /// Δ: sample time of the turbulence.
     pub sample_time_s: f64,
 }
 
@@ -59,32 +59,32 @@ impl Default for Parameters {
     }
 }
 
-/// What the wind depends on from outside, held over a step.
+/// Inputs of the wind, held over a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inputs {
     /// Steady wind.
     pub mean_world_m_s: Vector3<f64>,
-    /// Where the wind is wanted.
+    /// Position at which the wind is computed.
     pub vehicle_position_m: Vector3<f64>,
-    /// How that place moves.
+    /// Velocity of that position.
     pub vehicle_velocity_m_s: Vector3<f64>,
 }
 
-/// One swelling and fading of the wind, horizontal.
+/// One horizontal gust of the form 1 - cos.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Gust {
-    /// When it begins.
+    /// Start time.
     pub start_s: f64,
-    /// How long it lasts.
+    /// Duration.
     pub duration_s: f64,
-    /// Its greatest speed, in the middle.
+    /// Greatest speed, reached at half of the duration.
     pub amplitude_m_s: f64,
-    /// Where it blows to, counter-clockwise from x.
+    /// Direction in which it blows, counter-clockwise from x.
     pub direction_rad: f64,
 }
 
 impl Gust {
-    /// Returns the gust's part of the wind at a time.
+    /// Returns the contribution of the gust at a time.
     #[must_use]
     pub fn velocity_world_m_s(&self, time_s: f64) -> Vector3<f64> {
         let since_s = time_s - self.start_s;
@@ -104,14 +104,14 @@ pub struct State {
 }
 
 impl State {
-    /// Draws sample 0, which holds from time 0.
+    /// Returns the state with sample 0, which holds from time 0.
     #[must_use]
     pub fn start(parameters: &Parameters, inputs: &Inputs, seed: u64, stream: u64) -> Self {
         let scales = dryden::Scales::at(inputs.vehicle_position_m.z, parameters.turbulence_m_s);
         Self { turbulence: dryden::Turbulence::start(&scales, Generator::new(seed, stream)) }
     }
 
-    /// Draws the next samples, as many as have their instants in a step; the last of them holds.
+    /// Draws the next `samples` samples, whose instants lie in one step; the last of them holds.
     pub fn draw(&mut self, parameters: &Parameters, inputs: &Inputs, samples: u64) {
         let scales = dryden::Scales::at(inputs.vehicle_position_m.z, parameters.turbulence_m_s);
         let passing_m_s =

@@ -1,4 +1,4 @@
-//! Ground contact: a vehicle that sinks below z = 0 is put back, does not sink, slides to a stop and levels out.
+//! Ground contact: a vehicle below z = 0 is put back to z = 0, stops sinking, slides to a stop and levels out.
 //!
 //! ```text
 //! z < 0:  z ← 0,  v_z ← max(v_z, 0),  (v_x, v_y, ω) ← 0.9ⁿ (v_x, v_y, ω),  (roll, pitch) ← 0.98ⁿ (roll, pitch)
@@ -8,8 +8,8 @@
 //! |--------|---------------|------|--------------------------------------|
 //! | n      | `duration_s`  | 1    | inner step in units of 2.5 ms        |
 //!
-//! The ground is the plane z = 0, met by the centre of gravity. A stand-in for landing gear and friction, not a model of
-//! them; the powers make it independent of the inner step. It is the project's.
+//! The ground is the plane z = 0; contact is that of the centre of gravity. It replaces landing gear and friction and
+//! does not model them; the powers make it independent of the inner step. The formula is this project's.
 
 use nalgebra::UnitQuaternion;
 
@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn half_the_step_twice_brakes_like_the_whole_step() {
+    fn two_half_steps_brake_like_one_whole_step() {
         let (mut once, mut twice) = (sunk(), sunk());
         settle(&mut once, 0.0025);
         for _ in 0..2 {
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn above_the_ground_nothing_happens() {
+    fn above_the_ground_the_state_is_unchanged() {
         let mut body = sunk();
         body.position_m.z = 0.0;
         let before = body;

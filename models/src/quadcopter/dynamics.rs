@@ -10,20 +10,20 @@
 //!
 //! | Symbol   | Here             | Unit  | Meaning                                                              |
 //! |----------|------------------|-------|----------------------------------------------------------------------|
-//! | P_i, T_i | `thrusts_n`      | N     | thrust of rotor i with and without ground                            |
-//! | e_i      | `effectiveness`  | 1     | what is left of rotor i; scales m_p ω_i² too                         |
+//! | P_i, T_i | `thrusts_n`      | N     | thrust of rotor i with and without ground effect                     |
+//! | e_i      | `effectiveness`  | 1     | remaining part of the thrust of rotor i; scales m_p ω_i² too         |
 //! | r_i      | `hubs_body_m`    | m     | hub of rotor i: right, front, left, rear                             |
 //! | s_i      | `SPIN`           | 1     | 1 where the rotor turns counter-clockwise seen from above            |
 //! | f, W     | `drag_n`, `wind` | N, m/s | drag, wind; world axes                                             |
-//! | η        | `cos_tilt`       | rad   | between the thrust and the vertical                                  |
-//! | A        | `disc_area_m2`   | m²    | disc of a rotor                                                      |
+//! | η        | `cos_tilt`       | rad   | angle between the thrust and the vertical                            |
+//! | A        | `disc_area_m2`   | m²    | disc area of a rotor                                                 |
 //!
 //! Frame: ours; roll moments come from rotors 3 and 1, pitch moments from 4 and 2.
 //!
-//! Departures from print: eq. 5 adds whole thrusts where increments are meant; eq. 6 has V² of the wind, which loses the
-//! sign and forgets the vehicle's own velocity; eq. 7 has π² for π r²; eq. 8 has the weight upwards; eq. 13 has
-//! M₁ + … + M₄ with the signs left out, M_p for thrust moments, and no reaction to the rotors' acceleration.
-//! Upside down, cos η counts without its sign: an area is not negative.
+//! Departures from print: eq. 5 adds whole thrusts where increments are meant; eq. 6 has V² of the wind, which loses
+//! the sign and omits the vehicle's own velocity; eq. 7 has π² for π r²; eq. 8 has the weight upwards; eq. 13 has
+//! M₁ + … + M₄ without the signs, M_p for thrust moments, and no reaction to the rotors' acceleration.
+//! When the vehicle is upside down, |cos η| is used, because an area is not negative.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
@@ -35,10 +35,10 @@ use super::{Inputs, State};
 /// Sense in which each rotor turns about the body's z.
 const SPIN: [f64; 4] = [1.0, -1.0, 1.0, -1.0];
 
-/// Below this height of the centre of gravity the thrust trembles.
-const TREMBLING_BELOW_M: f64 = 1.0;
+/// Below this height of the centre of gravity the thrust fluctuates.
+const FLUCTUATION_BELOW_M: f64 = 1.0;
 
-/// A quadcopter with what a step computes once.
+/// A quadcopter's parameters with the values derived from them once.
 pub struct Plant<'a> {
     parameters: &'a Parameters,
     rotor: Rotor,
@@ -62,9 +62,9 @@ impl<'a> Plant<'a> {
         Self { parameters, rotor: Rotor::new(parameters), hubs_body_m }
     }
 
-    /// Returns the thrust of each rotor; `trembling` is σ_ge n_i.
-    pub fn thrusts_n(&self, state: &State, inputs: &Inputs, trembling: [f64; 4]) -> [f64; 4] {
-        self.thrusts_at_attitude_n(state, state.body.attitude.to_rotation_matrix().matrix(), inputs, trembling)
+    /// Returns the thrust of each rotor; `fluctuation` is σ_ge n_i.
+    pub fn thrusts_n(&self, state: &State, inputs: &Inputs, fluctuation: [f64; 4]) -> [f64; 4] {
+        self.thrusts_at_attitude_n(state, state.body.attitude.to_rotation_matrix().matrix(), inputs, fluctuation)
     }
 
     fn thrusts_at_attitude_n(
@@ -72,12 +72,12 @@ impl<'a> Plant<'a> {
         state: &State,
         world_from_body: &Matrix3<f64>,
         inputs: &Inputs,
-        trembling: [f64; 4],
+        fluctuation: [f64; 4],
     ) -> [f64; 4] {
         let body = &state.body;
         let airspeed_body = world_from_body.transpose() * (body.velocity_world_m_s - inputs.wind_world_m_s);
         let ground_speed_m_s = body.velocity_world_m_s.norm();
-        let nearness = (TREMBLING_BELOW_M - body.position_m.z).max(0.0) / TREMBLING_BELOW_M;
+        let nearness = (FLUCTUATION_BELOW_M - body.position_m.z).max(0.0) / FLUCTUATION_BELOW_M;
         core::array::from_fn(|i| {
             let hub = self.hubs_body_m[i];
             let air = airspeed_body + body.rate_body_rad_s.cross(&hub);
@@ -89,7 +89,7 @@ impl<'a> Plant<'a> {
             } else {
                 1.0
             };
-            inputs.effectiveness[i] * response.thrust_n * ratio * (1.0 + trembling[i] * nearness)
+            inputs.effectiveness[i] * response.thrust_n * ratio * (1.0 + fluctuation[i] * nearness)
         })
     }
 
@@ -125,12 +125,12 @@ impl<'a> Plant<'a> {
         moment - state.body.rate_body_rad_s.cross(&rotor_momentum)
     }
 
-    pub fn derivative(&self, state: &State, inputs: &Inputs, trembling: [f64; 4]) -> Derivative {
+    pub fn derivative(&self, state: &State, inputs: &Inputs, fluctuation: [f64; 4]) -> Derivative {
         let p = self.parameters;
         let body = &state.body;
         let rotation = body.attitude.to_rotation_matrix();
         let world_from_body = rotation.matrix();
-        let thrusts_n = self.thrusts_at_attitude_n(state, world_from_body, inputs, trembling);
+        let thrusts_n = self.thrusts_at_attitude_n(state, world_from_body, inputs, fluctuation);
         let rotor_rad_s2: [f64; 4] = core::array::from_fn(|i| {
             let command = inputs.rotor_command_rad_s[i].max(p.rotor_speed_min_rad_s).min(p.rotor_speed_max_rad_s);
             (command - state.rotor_speed_rad_s[i]) / p.motor_time_constant_s
@@ -150,12 +150,12 @@ impl<'a> Plant<'a> {
         }
     }
 
-    /// Takes one classical fourth-order Runge-Kutta step; the attitude is brought back to unit length after it.
-    pub fn runge_kutta_step(&self, state: &State, inputs: &Inputs, trembling: [f64; 4], step_s: f64) -> State {
-        let k1 = self.derivative(state, inputs, trembling);
-        let k2 = self.derivative(&moved(state, &k1, step_s / 2.0), inputs, trembling);
-        let k3 = self.derivative(&moved(state, &k2, step_s / 2.0), inputs, trembling);
-        let k4 = self.derivative(&moved(state, &k3, step_s), inputs, trembling);
+    /// Takes one classical fourth-order Runge-Kutta step; the attitude is normalised after it.
+    pub fn runge_kutta_step(&self, state: &State, inputs: &Inputs, fluctuation: [f64; 4], step_s: f64) -> State {
+        let k1 = self.derivative(state, inputs, fluctuation);
+        let k2 = self.derivative(&moved(state, &k1, step_s / 2.0), inputs, fluctuation);
+        let k3 = self.derivative(&moved(state, &k2, step_s / 2.0), inputs, fluctuation);
+        let k4 = self.derivative(&moved(state, &k3, step_s), inputs, fluctuation);
         let mut next = *state;
         for (k, weight) in [(k1, 1.0 / 6.0), (k2, 1.0 / 3.0), (k3, 1.0 / 3.0), (k4, 1.0 / 6.0)] {
             next = moved(&next, &k, step_s * weight);
@@ -165,7 +165,7 @@ impl<'a> Plant<'a> {
     }
 }
 
-/// Returns the state moved along a derivative; its attitude is not exactly of unit length.
+/// Returns the state plus `time_s` times a derivative; its attitude is not exactly of unit length.
 fn moved(state: &State, along: &Derivative, time_s: f64) -> State {
     let mut next = *state;
     next.body.position_m += along.velocity_world_m_s * time_s;

@@ -1,4 +1,4 @@
-//! Ground effect: how much stronger a rotor pulls near the ground.
+//! Ground effect: the increase of a rotor's thrust near the ground.
 //!
 //! ```text
 //! r_g = 1 / (1 - (R/4h)² / (1 + (V/w_d)²))        Geng & Chulin (2016), eq. 4; Cheeseman & Bennett (1955)
@@ -7,14 +7,14 @@
 //! | Symbol | Here            | Unit | Meaning                                                       |
 //! |--------|-----------------|------|---------------------------------------------------------------|
 //! | r_g    | returned        | 1    | thrust with the ground divided by thrust without              |
-//! | h      | `hub_height_m`  | m    | of the rotor's hub above the ground                           |
-//! | R      | `radius_m`      | m    | of the rotor                                                  |
-//! | V      | `speed_m_s`     | m/s  | of the vehicle over the ground                                |
+//! | h      | `hub_height_m`  | m    | height of the rotor's hub above the ground                    |
+//! | R      | `radius_m`      | m    | radius of the rotor                                           |
+//! | V      | `speed_m_s`     | m/s  | speed of the vehicle over the ground                          |
 //! | w_d    | `induced_m_s`   | m/s  | induced velocity of the rotor, at least 0.1 m/s               |
 //!
-//! Valid above h = R/2. Departures from print: the text names the ratio the wrong way round, and eq. 5 adds the whole
-//! of it, which doubles the thrust far from the ground; here it multiplies the thrust. The formula is singular at
-//! h = R/4, so h counts as at least R/2 and the ratio as at most 4/3; from 2 m upwards it is 1.
+//! Valid above h = R/2. Departures from print: the text defines the ratio inverted, and eq. 5 adds the whole ratio,
+//! which doubles the thrust far from the ground; here it multiplies the thrust. The formula is singular at h = R/4,
+//! so h is limited to at least R/2 and the ratio to at most 4/3; from 2 m upwards it is 1.
 
 const OUT_OF_REACH_M: f64 = 2.0;
 const LARGEST_RATIO: f64 = 4.0 / 3.0;
@@ -36,7 +36,7 @@ mod tests {
     use crate::vectors::{assert_close, get, number};
 
     #[test]
-    fn the_ratio_is_that_of_the_vectors() {
+    fn the_ratio_equals_that_of_the_vectors() {
         for row in get("ge_ratio").as_array().unwrap() {
             let actual = ratio(0.15, number(&row["h"]), number(&row["V"]), number(&row["vi"]));
             assert_close(actual, number(&row["ratio"]), 1e-8);
@@ -49,7 +49,7 @@ mod tests {
     }
 
     #[test]
-    fn forward_flight_leaves_the_cushion_behind() {
+    fn forward_speed_reduces_the_ground_effect() {
         assert!(ratio(0.15, 0.2, 8.0, 3.0) < ratio(0.15, 0.2, 2.0, 3.0));
     }
 }

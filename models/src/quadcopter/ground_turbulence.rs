@@ -1,4 +1,4 @@
-//! The trembling of thrust near the ground: one Ornstein–Uhlenbeck process for each rotor.
+//! Random fluctuation of thrust near the ground: one Ornstein–Uhlenbeck process for each rotor.
 //!
 //! ```text
 //! P_i → P_i (1 + σ_ge n_i (1 - z))  for z < 1 m        n ← a n + √(1 - a²) N(0, 1),  a = exp(-h / τ)
@@ -6,21 +6,22 @@
 //!
 //! | Symbol | Here                     | Unit | Meaning                                                     |
 //! |--------|--------------------------|------|-------------------------------------------------------------|
-//! | σ_ge   | `intensity`, parameter   | 1    | standard deviation on the ground, as a part of the thrust   |
+//! | σ_ge   | `intensity`, parameter   | 1    | standard deviation at z = 0, as a fraction of the thrust    |
 //! | n_i    | `samples`                | 1    | process of rotor i, standard deviation 1                    |
 //! | τ      | [`CORRELATION_TIME_S`]   | s    | correlation time                                            |
 //! | h      | `duration_s`             | s    | inner step; n is held over it                               |
 //! | z      | position z               | m    | height of the centre of gravity                             |
 //!
-//! Geng & Chulin (2016) name this trembling as the reason for a controller mode of its own near the ground, but give no
+//! Geng & Chulin (2016) give this fluctuation as the reason for a separate controller mode near the ground, but no
 //! formula; this one is the project's. The update is exact for any step (Gillespie (1996)), so its statistics do not
-//! depend on it. Rotors draw in order, once for the start and once for each inner step, whatever σ_ge and the height are.
+//! depend on the step. Random numbers are drawn for rotors 1 to 4 in order, once at the start and once for each inner
+//! step, independent of σ_ge and the height.
 
 use serde::{Deserialize, Serialize};
 
 use crate::random::Generator;
 
-/// Correlation time of the trembling.
+/// Correlation time of the fluctuation.
 pub const CORRELATION_TIME_S: f64 = 0.05;
 
 /// The four processes with the generator that drives them.
@@ -39,7 +40,7 @@ impl GroundTurbulence {
     }
 
     /// Returns σ_ge n_i of each rotor.
-    pub(super) fn trembling(&self, intensity: f64) -> [f64; 4] {
+    pub(super) fn fluctuation(&self, intensity: f64) -> [f64; 4] {
         self.samples.map(|sample| intensity * sample)
     }
 
@@ -57,13 +58,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn its_variance_and_correlation_do_not_depend_on_the_step() {
+    fn variance_and_correlation_do_not_depend_on_the_step() {
         for (step_s, steps_in_tau) in [(0.0025, 20), (0.01, 5)] {
             let mut turbulence = GroundTurbulence::new(1, 4);
             let trace: Vec<f64> = (0..200_000)
                 .map(|_| {
                     turbulence.advance(step_s);
-                    turbulence.trembling(1.0)[2]
+                    turbulence.fluctuation(1.0)[2]
                 })
                 .collect();
             let lagged = |lag: usize| {

@@ -1,29 +1,29 @@
 //! The constants of one quadcopter; the default is the OS4 airframe of Bouabdallah (2007).
 //!
 //! Mass, arm, inertia, thrust and torque coefficients, rotor inertia and blade data are those of OS4. The drag numbers
-//! and the motor's time constant are this project's: with them a hover in 12 m/s of wind needs 24° of tilt.
+//! and the motor's time constant are this project's: with them hover in 12 m/s of wind needs 24° of tilt.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// How a rotor's thrust depends on the air that meets it; see `rotor.rs`.
+/// How a rotor's thrust depends on the air flow at the rotor; see `rotor.rs`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum RotorModel {
-    /// Blade element and momentum theory together.
+    /// Combined blade element and momentum theory.
     #[default]
     Bemt,
     /// The formula of Geng & Chulin (2016), eq. 3, which holds the induced velocity fixed.
     Paper,
-    /// Thrust k ω², whatever the air does.
+    /// Thrust k ω², independent of the air flow.
     Kw2,
 }
 
-/// What a quadcopter is made of and what it flies in.
+/// Parameters of the airframe and of its environment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     /// m: mass.
     pub mass_kg: f64,
-    /// l: from the centre of gravity to each rotor axis.
+    /// l: distance from the centre of gravity to each rotor axis.
     pub arm_m: f64,
     /// h: height of the rotor hubs above the centre of gravity.
     pub hub_height_m: f64,
@@ -51,17 +51,17 @@ pub struct Parameters {
     pub air_density_kg_m3: f64,
     /// g: acceleration of gravity.
     pub gravity_m_s2: f64,
-    /// S_0: area of the body that meets the wind from any side.
+    /// S_0: area of the body in the wind, equal for all directions.
     pub body_area_m2: f64,
-    /// P_s: part of a rotor's disc that acts as area in the wind.
+    /// P_s: fraction of a rotor's disc area that counts as drag area.
     pub disc_area_fraction: f64,
     /// C: drag coefficient.
     pub drag_coefficient: f64,
-    /// How thrust depends on the air that meets the rotor.
+    /// How thrust depends on the air flow at the rotor.
     pub rotor_model: RotorModel,
-    /// Whether the ground strengthens the thrust of rotors near to it.
+    /// Whether the ground effect increases the thrust of rotors near the ground.
     pub ground_effect: bool,
-    /// σ_ge: standard deviation of the thrust's trembling at the ground, as a part of the thrust; 0 for none.
+    /// σ_ge: standard deviation of the thrust's fluctuation at the ground, as a fraction of the thrust; 0 disables it.
     pub ground_turbulence: f64,
 }
 

@@ -11,47 +11,47 @@
 //! | Symbol | Here                  | Unit  | Meaning                                                             |
 //! |--------|-----------------------|-------|---------------------------------------------------------------------|
 //! | ω, Ω   | `speed_rad_s`         | rad/s | speed of the rotor; Ω is at least 1                                 |
-//! | V_h    | `in_plane_m_s`        | m/s   | of the hub through the air, in the rotor's plane                    |
-//! | V_c    | `climb_m_s`           | m/s   | of the hub through the air, along the thrust                        |
-//! | v_i    | `induced_m_s`         | m/s   | induced velocity, blown against the thrust                          |
+//! | V_h    | `in_plane_m_s`        | m/s   | airspeed of the hub in the rotor's plane                            |
+//! | V_c    | `climb_m_s`           | m/s   | airspeed of the hub along the thrust                                |
+//! | v_i    | `induced_m_s`         | m/s   | induced velocity, directed against the thrust                       |
 //! | w      | `static_induced_…`    | m/s   | induced velocity in still air                                       |
 //! | θ_e    | `pitch_rad`           | rad   | pitch of an untwisted blade with the static thrust k ω²             |
 //! | λ_h    | `hover_inflow`        | 1     | v_i / (Ω R) in hover                                                |
 //! | σ, a   | parameters            | 1, 1/rad | solidity, lift slope                                             |
 //! | T      | `thrust_n`            | N     | thrust, not negative                                                |
 //!
-//! Frame: the rotor's own, seen from the hub. Valid for climb and slow descent: momentum theory has no valid branch in
-//! descent, so there the momentum equation is taken without V_c; between 40 and 340 rad/s with V_h up to 20 m/s
-//! and V_c within ±6 m/s six Newton steps leave less than 7e-9 of k ω².
+//! Frame: that of the rotor, with its origin in the hub. Valid for climb and slow descent: momentum theory has no valid
+//! branch in descent, so there the momentum equation is solved without V_c; between 40 and 340 rad/s with V_h up to
+//! 20 m/s and V_c within ±6 m/s the error of six Newton steps is less than 7e-9 of k ω².
 //!
 //! Departures from print: eq. 3 multiplies the thrust by the ratio of resultant to induced velocity with the induced
-//! velocity held fixed. Then climbing increases thrust, an unstable heave, and 8 m/s from the side multiply it by 2.8.
-//! Hence `bemt` is the default, calibrated so that hover gives k ω². In `paper`, eq. 3 counts as the whole thrust in
-//! wind; 1e-9 m/s is added to w so that a standing rotor divides by something.
+//! velocity held fixed. Then climbing increases thrust, which makes heave unstable, and a side wind of 8 m/s multiplies
+//! it by 2.8. Hence `bemt` is the default, calibrated so that hover gives k ω². In `paper`, eq. 3 is taken as the whole
+//! thrust in wind; 1e-9 m/s is added to w so that a rotor at rest does not divide by zero.
 
 use super::parameters::{Parameters, RotorModel};
 
 const NEWTON_STEPS: usize = 6;
 
-/// What the rotor's hub feels of the air.
+/// Airspeed of the rotor's hub.
 #[derive(Debug, Clone, Copy)]
 pub struct Flow {
-    /// In the rotor's plane.
+    /// Component in the rotor's plane.
     pub in_plane_m_s: f64,
-    /// Along the thrust, positive in climb.
+    /// Component along the thrust, positive in climb.
     pub climb_m_s: f64,
 }
 
-/// What the rotor does with it.
+/// Thrust and induced velocity of a rotor in a [`Flow`].
 #[derive(Debug, Clone, Copy)]
 pub struct Response {
     /// Thrust, not negative.
     pub thrust_n: f64,
-    /// Induced velocity: of this flow for `bemt`, of still air for the other models.
+    /// Induced velocity: in this flow for `bemt`, in still air for the other models.
     pub induced_m_s: f64,
 }
 
-/// A rotor with what its model computes once.
+/// A rotor with the values that its model computes once.
 #[derive(Debug, Clone)]
 pub struct Rotor {
     model: RotorModel,
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn the_calibration_is_that_of_the_specification() {
+    fn the_calibration_equals_that_of_the_specification() {
         let rotor = rotor(RotorModel::Bemt);
         assert!((rotor.pitch_rad - 0.235_70).abs() < 5e-6 && (rotor.hover_inflow - 0.089_626).abs() < 5e-7);
     }
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn climbing_costs_thrust_by_theory_and_gains_thrust_by_the_printed_formula() {
+    fn climbing_decreases_thrust_by_theory_and_increases_it_by_the_printed_formula() {
         let slope = |rotor: Rotor| {
             4.0 * (thrust_n(&rotor, HOVER_RAD_S, 0.0, 1e-4) - thrust_n(&rotor, HOVER_RAD_S, 0.0, 0.0)) / 1e-4
         };

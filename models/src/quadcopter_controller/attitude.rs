@@ -1,9 +1,9 @@
-//! Inner loop: backstepping moments that bring roll, pitch and yaw to what is desired.
+//! Inner loop: backstepping moments that bring roll, pitch and yaw to the desired angles.
 //!
 //! ```text
 //! z₁ = γ_d - γ,  z₂ = ω_x - k₁ z₁,  V₂ = (z₁² + z₂²)/2,  V₂' = -k₁ z₁² - k₂ z₂²      Geng & Chulin (2016), eqs. 18, 19
 //! M_x = I_x ((1 + k₁k₂) (roll_d - roll) - (k₁ + k₂) ω_x)  + (ω × I ω)_x               Geng & Chulin (2016), eq. 20
-//! M_y, M_z alike with k₅, k₆ and k₃, k₄; the error of yaw is taken in [-π, π)         Geng & Chulin (2016), eq. 21
+//! M_y, M_z likewise with k₅, k₆ and k₃, k₄; the error of yaw is taken in [-π, π)         Geng & Chulin (2016), eq. 21
 //! ```
 //!
 //! | Symbol       | Here              | Unit | Meaning                                     |
@@ -13,12 +13,13 @@
 //! | k₁ … k₆      | [`Gains`]         | 1/s  | roll k₁ k₂, yaw k₃ k₄, pitch k₅ k₆          |
 //! | I            | parameters        | kg·m² | principal moments of inertia               |
 //!
-//! Frame: ours; the paper's U₂, U₃, U₄ are M_x, M_z, -M_y. Valid for small angles and rates, where the rates of the angles
-//! are the body rates; the desired angles count as constant. The error obeys s² + (k₁+k₂) s + (1+k₁k₂).
+//! Frame: ours; the paper's U₂, U₃, U₄ are M_x, M_z, -M_y. Valid for small angles and rates, where the angle rates
+//! are the body rates; the desired angles are treated as constant. The error has the characteristic polynomial
+//! s² + (k₁+k₂) s + (1+k₁k₂).
 //!
 //! Departures from print: the derivation needs γ_d' - ω_x for V₁', k₁ z₂² in V₂' and I_y - I_z in the coupling of roll
 //! (I_z - I_x, I_x - I_y in yaw and pitch). The printed eqs. 20 and 21 have (k₁k₂ - 1) γ_d with the sign of feedback:
-//! the vehicle goes to -(k₁k₂-1)/(k₁k₂+1) of the command. [`FormulaSet::Printed`] shows it.
+//! the vehicle goes to -(k₁k₂-1)/(k₁k₂+1) of the command. [`FormulaSet::Printed`] reproduces it.
 
 use core::f64::consts::{PI, TAU};
 
@@ -27,7 +28,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Gains, Parameters};
 
-/// Which attitude law.
+/// Variants of the attitude law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum FormulaSet {
     /// As derived.
@@ -89,7 +90,7 @@ mod tests {
     use crate::vectors::{assert_all_close, get, number, numbers};
 
     #[test]
-    fn the_moments_are_those_of_the_vector() {
+    fn the_moments_equal_those_of_the_vector() {
         let expected = get("backstepping_U2_U3_U4");
         let x = numbers(&get("quad_deriv")["x"]);
         let k = numbers(&expected["k"]);
@@ -107,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn the_lyapunov_function_falls_as_derived() {
+    fn the_lyapunov_function_decreases_as_derived() {
         let (parameters, gains) = (Parameters::default(), Gains::of(Mode::Q3));
         let rate = Vector3::new(0.5, -0.8, 0.3);
         let moments = moments_n_m(&parameters, &gains, [0.2, 0.0, 0.0], [0.05, 0.0, 0.0], rate);
@@ -132,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn the_printed_law_rests_at_nearly_the_opposite_of_the_command() {
+    fn the_printed_law_settles_near_the_negative_of_the_command() {
         let parameters = Parameters { formula_set: FormulaSet::Printed, ..Parameters::default() };
         let gains = Gains { roll_per_s: [7.0, 7.0], ..Gains::of(Mode::Q2) };
         let moment = moments_n_m(&parameters, &gains, [-0.96 * 0.1, 0.0, 0.0], [0.1, 0.0, 0.0], Vector3::zeros());

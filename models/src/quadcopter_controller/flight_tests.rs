@@ -8,7 +8,7 @@ use crate::{trajectory, wind};
 const SAMPLE_TIME_S: f64 = 0.005;
 
 #[test]
-fn a_hover_holds_its_place_in_8_m_s_of_wind() {
+fn a_hover_keeps_its_position_in_8_m_s_of_wind() {
     let plant = quadcopter::Parameters::default();
     let start_m = Vector3::new(0.0, 0.0, 20.0);
     let mut state = quadcopter::State::start(&plant, start_m, Vector3::zeros(), 0.0, true);
@@ -27,7 +27,7 @@ fn a_hover_holds_its_place_in_8_m_s_of_wind() {
             wind_world_m_s: Vector3::new(8.0, 0.0, 0.0),
             effectiveness: [1.0; 4],
         };
-        state.fly(&plant, &inputs, SAMPLE_TIME_S, &mut GroundTurbulence::new(1, 4));
+        state.advance(&plant, &inputs, SAMPLE_TIME_S, &mut GroundTurbulence::new(1, 4));
         let error_m = state.body.position_m - start_m;
         horizontal_m = horizontal_m.max(error_m.xy().norm());
         vertical_m = vertical_m.max(error_m.z.abs());
@@ -41,13 +41,13 @@ fn a_hover_holds_its_place_in_8_m_s_of_wind() {
     assert!(horizontal_m <= 0.44 * 1.2 && vertical_m <= 0.21 * 1.2, "transient {horizontal_m} {vertical_m}");
 }
 
-/// Largest distance from the setpoint in m over the flight A to H, its largest tilt in degrees, and where it ended.
+/// Largest distance from the setpoint in m over the flight A to H, its largest tilt in degrees, and the final state.
 fn fly_a_to_h(mean_m_s: f64, turbulence_m_s: f64) -> (f64, f64, quadcopter::State) {
     let plant = quadcopter::Parameters::default();
     let flight = trajectory::Parameters::default();
     let air = wind::Parameters { turbulence_m_s, ..wind::Parameters::default() };
     let mut state = quadcopter::State::start(&plant, Vector3::zeros(), Vector3::zeros(), 0.0, false);
-    let mut trembling = GroundTurbulence::new(1, 4);
+    let mut turbulence = GroundTurbulence::new(1, 4);
     let mut controller = State::default();
     let around = |body: &vehicle::State| wind::Inputs {
         mean_world_m_s: Vector3::new(mean_m_s, 0.0, 0.0),
@@ -68,7 +68,7 @@ fn fly_a_to_h(mean_m_s: f64, turbulence_m_s: f64) -> (f64, f64, quadcopter::Stat
             effectiveness: [1.0; 4],
         };
         field.draw(&air, &wind_inputs, u64::from(n % 2 == 1));
-        state.fly(&plant, &inputs, SAMPLE_TIME_S, &mut trembling);
+        state.advance(&plant, &inputs, SAMPLE_TIME_S, &mut turbulence);
         let goal_m = flight.reference(time_s + SAMPLE_TIME_S).setpoint.position_m;
         largest_m = largest_m.max((state.body.position_m - goal_m).norm());
         largest_tilt_deg = largest_tilt_deg.max(libm::acos((state.body.attitude * Vector3::z()).z).to_degrees());

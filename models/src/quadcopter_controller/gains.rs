@@ -1,4 +1,4 @@
-//! The gains of the four modes of Geng & Chulin (2016): q1 take-off and landing, q2 calm, q3 moderate wind, q4 emergency.
+//! Gains of the four modes of Geng & Chulin (2016): q1 take-off and landing, q2 calm, q3 moderate wind, q4 emergency.
 //!
 //! The paper names the modes and gives no numbers; these are this project's.
 
@@ -38,9 +38,9 @@ pub struct Gains {
     pub pitch_per_s: [f64; 2],
     /// k₃, k₄ of the yaw.
     pub yaw_per_s: [f64; 2],
-    /// Along z.
+    /// Position control along z.
     pub vertical: Pid,
-    /// Along x and y.
+    /// Position control along x and y.
     pub horizontal: Pid,
 }
 

@@ -12,9 +12,9 @@
 //! | T_i, ω_i   | `thrusts_n`, returned       | N, rad/s | rotors right, front, left, rear                       |
 //! | k, m_p, l  | parameters                  |       | coefficients of thrust and torque, arm                   |
 //!
-//! Frame: body, ours. Thrust comes first: moments are cut so that no rotor of a pair needs less than nothing or more
-//! than k ω_max²; only beyond 10 N can a full yaw moment cost thrust. In wind the rotors give more than k ω²; the
-//! integral of the outer loop makes up for it.
+//! Frame: body, ours. Thrust has priority: moments are limited so that no rotor of a pair needs negative thrust or more
+//! than k ω_max²; only beyond 10 N can a full yaw moment reduce thrust. In wind the rotors give more than k ω²; the
+//! integral of the outer loop compensates for it.
 //! Source: the moments of Geng & Chulin (2016), eq. 13, solved for the thrusts; the limits are this project's.
 
 use nalgebra::Vector3;
@@ -40,7 +40,7 @@ pub fn rotor_speeds_rad_s(parameters: &Parameters, thrust_n: f64, moments_n_m: V
     thrusts_n.map(|thrust_n| (thrust_n.max(0.0) / k).sqrt().max(p.rotor_speed_min_rad_s).min(p.rotor_speed_max_rad_s))
 }
 
-/// Returns `value` cut to ±`limit`; a limit below zero counts as zero.
+/// Returns `value` limited to ±`limit`; a limit below zero counts as zero.
 fn limited(value: f64, limit: f64) -> f64 {
     let limit = limit.max(0.0);
     value.max(-limit).min(limit)
@@ -52,7 +52,7 @@ mod tests {
     use crate::vectors::{assert_all_close, get, number, numbers};
 
     #[test]
-    fn the_speeds_are_those_of_the_vector() {
+    fn the_speeds_equal_those_of_the_vector() {
         let expected = get("mixer");
         let moment = |key: &str| number(&expected[key]);
         let ours = Vector3::new(moment("Mx"), -moment("Mz"), moment("My"));
@@ -61,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn the_speeds_give_back_thrust_and_moments_within_the_limits() {
+    fn the_speeds_reproduce_thrust_and_moments_within_the_limits() {
         let p = Parameters::default();
         let wanted = Vector3::new(0.1, -0.2, 0.02);
         let t = rotor_speeds_rad_s(&p, 6.0, wanted).map(|w| p.thrust_coefficient_n_s2 * w * w);
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn a_moment_too_large_leaves_the_thrust_as_it_is() {
+    fn a_moment_too_large_does_not_change_the_thrust() {
         let p = Parameters { rotor_speed_min_rad_s: 0.0, ..Parameters::default() };
         let cases = [
             (Vector3::new(9.0, 0.0, 0.0), [4.0, 12.0]),
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn speeds_stay_within_what_the_motors_can_turn() {
+    fn speeds_stay_within_the_range_of_the_motors() {
         let p = Parameters::default();
         assert_eq!(rotor_speeds_rad_s(&p, 0.0, Vector3::zeros()), [40.0; 4]);
         assert_eq!(rotor_speeds_rad_s(&p, 100.0, Vector3::zeros()), [340.0; 4]);

@@ -10,16 +10,16 @@
 //!
 //! | Symbol      | Here            | Unit | Meaning                                                        |
 //! |-------------|-----------------|------|----------------------------------------------------------------|
-//! | F           | returned        | N    | force without weight, world axes; F_h its horizontal part      |
+//! | F           | returned        | N    | demanded thrust force, world axes; F_h its horizontal part     |
 //! | P           | length of F     | N    | thrust                                                         |
-//! | I           | `integral_n`    | N    | integral part; F takes it from before its update               |
+//! | I           | `integral_n`    | N    | integral part; F uses its value before the update              |
 //! | ψ           | `yaw_rad`       | rad  | actual yaw                                                     |
 //!
-//! Frame: world, ours. The horizontal integral rests beyond 1 m of horizontal error, the vertical one beyond 0.3 m;
-//! without this guard a step of altitude overshoots by 20 %.
+//! Frame: world, ours. The horizontal integral is held beyond 1 m of horizontal error, the vertical one beyond 0.3 m;
+//! otherwise an altitude step overshoots by 20 %.
 //!
-//! Departures from print: eq. 17 has f_z in the vertical channel and divides its proportional part alone by
-//! cos γ cos θ; here the whole demand has the length |F|. Eq. 16 has arccos, which asks for 90° in hover, lacks cos γ_d,
+//! Departures from print: eq. 17 has f_z in the vertical channel and divides only its proportional part by
+//! cos γ cos θ; here the thrust is |F| of the whole demand. Eq. 16 has arccos, which gives 90° in hover, lacks cos γ_d,
 //! up to 5.8° at 34° of roll, and takes the desired yaw, which misdirects the force while the vehicle still turns.
 
 use nalgebra::Vector3;
@@ -33,7 +33,7 @@ const LARGEST_INTEGRAL_N: f64 = 3.0;
 const HORIZONTAL_GUARD_M: f64 = 1.0;
 const VERTICAL_GUARD_M: f64 = 0.3;
 
-/// Returns the demanded force in N, world axes, and moves the integral on by one sample.
+/// Returns the demanded force in N, world axes, and updates the integral by one sample.
 pub fn demanded_force_n(
     parameters: &Parameters,
     gains: &Gains,

@@ -15,16 +15,17 @@
 //! | Symbol   | Here            | Unit | Meaning                                                              |
 //! |----------|-----------------|------|----------------------------------------------------------------------|
 //! | W₂₀      | `w20_m_s`       | m/s  | wind speed at 20 ft                                                  |
-//! | h        | `height_m`      | m    | height, counted as 10 to 1000 ft                                     |
+//! | h        | `height_m`      | m    | height, limited to 10 to 1000 ft                                     |
 //! | σ, L     | [`Scales`]      | m/s, m | intensities and lengths                                            |
-//! | V Δ      | `passed_m`      | m    | how much of the field passes by in one sample                        |
+//! | V Δ      | `passed_m`      | m    | length of the field that passes in one sample                        |
 //! | y₁, y₂   | `lateral`, `vertical` | 1 | filter states of v and of w                                        |
-//! | q, l     | `Lateral`       | 1    | covariance of what one sample adds, its lower Cholesky factor        |
+//! | q, l     | `Lateral`       | 1    | covariance of the noise of one sample, its lower Cholesky factor     |
 //!
-//! Frame: u along the mean wind, v to its left, w up. Valid from 3 to 305 m. MIL-HDBK-1797 (1997) halves L_v and L_w and
-//! writes 2L in its filters: the same spectra. A sample draws for u, v (two) and w (two), in this order; so does the
-//! start, which takes y from its stationary covariance [[½, ¼], [¼, ¼]]. For r < 0.05 q₁₂ and q₂₂ come from their
-//! series, as the closed forms cancel. Gillespie (1996) derives exact updates of this kind.
+//! Frame: u along the mean wind, v to its left, w up. Valid from 3 to 305 m. MIL-HDBK-1797 (1997) halves L_v and L_w
+//! and writes 2L in its filters: the same spectra. A sample draws normals for u (one), v (two) and w (two), in this
+//! order. So does the start, which takes y from its stationary covariance [[½, ¼], [¼, ¼]]. For r < 0.05 q₁₂ and q₂₂
+//! come from their series, because the closed forms suffer from cancellation. Gillespie (1996) derives such exact
+//! updates.
 
 use serde::{Deserialize, Serialize};
 
@@ -63,7 +64,7 @@ impl Scales {
     }
 }
 
-/// The update of one second-order filter, and its start.
+/// Coefficients of the update of one second-order filter, also used for its start.
 struct Lateral {
     r: f64,
     a: f64,
@@ -73,7 +74,7 @@ struct Lateral {
 }
 
 impl Lateral {
-    /// Update for a field that moves on by r of its length.
+    /// Update for a field that passes by r times its length scale.
     fn passing(r: f64) -> Self {
         let a = libm::exp(-r);
         let a2 = a * a;
@@ -86,7 +87,7 @@ impl Lateral {
         Self::from_covariance(r, a, (1.0 - a2) / 2.0, q12, q22)
     }
 
-    /// Draws from the stationary distribution: nothing is kept.
+    /// Draw from the stationary distribution, independent of the previous state.
     fn stationary() -> Self {
         Self::from_covariance(0.0, 0.0, 0.5, 0.25, 0.25)
     }
@@ -114,7 +115,7 @@ pub struct Turbulence {
 }
 
 impl Turbulence {
-    /// Draws the first sample from the stationary distribution.
+    /// Returns the filters with a first sample from the stationary distribution.
     #[must_use]
     pub fn start(scales: &Scales, generator: Generator) -> Self {
         let mut start =
@@ -123,7 +124,7 @@ impl Turbulence {
         start
     }
 
-    /// Draws the next sample, after `passed_m` of the field have passed by.
+    /// Draws the next sample, after `passed_m` of the field have passed.
     pub fn advance(&mut self, scales: &Scales, passed_m: f64) {
         let lateral = Lateral::passing(passed_m / scales.horizontal_length_m);
         let vertical = Lateral::passing(passed_m / scales.vertical_length_m);

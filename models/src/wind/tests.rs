@@ -1,4 +1,4 @@
-//! Wind as the vehicle meets it: profile, rotation to the mean wind, gusts, counted samples.
+//! Wind at the vehicle: profile, rotation to the mean wind, gusts, counted samples.
 
 use super::*;
 
@@ -31,7 +31,7 @@ fn the_log_profile_is_the_mean_at_20_feet_and_grows_with_the_logarithm() {
 }
 
 #[test]
-fn turbulence_turns_with_the_mean_wind() {
+fn turbulence_rotates_with_the_mean_wind() {
     let parameters = turbulent();
     let deviation = |mean: [f64; 3]| {
         let inputs = inputs(mean, 20.0);
@@ -45,7 +45,7 @@ fn turbulence_turns_with_the_mean_wind() {
 }
 
 #[test]
-fn samples_drawn_at_once_are_samples_drawn_one_by_one() {
+fn samples_drawn_at_once_equal_samples_drawn_one_by_one() {
     let (parameters, inputs) = (turbulent(), inputs([6.0, 0.0, 0.0], 20.0));
     let after = |draws: &[u64]| {
         let mut state = State::start(&parameters, &inputs, 1, 0);
@@ -57,7 +57,7 @@ fn samples_drawn_at_once_are_samples_drawn_one_by_one() {
 }
 
 #[test]
-fn the_field_passes_a_hovering_vehicle_with_the_wind_and_at_least_at_1_m_s() {
+fn the_field_passes_a_hovering_vehicle_at_wind_speed_but_at_least_at_1_m_s() {
     let parameters = turbulent();
     let after = |mean: [f64; 3], velocity: [f64; 3]| {
         let inputs = Inputs { vehicle_velocity_m_s: Vector3::from(velocity), ..inputs(mean, 20.0) };
@@ -71,7 +71,7 @@ fn the_field_passes_a_hovering_vehicle_with_the_wind_and_at_least_at_1_m_s() {
 }
 
 #[test]
-fn a_gust_swells_to_its_amplitude_and_fades() {
+fn a_gust_rises_to_its_amplitude_and_falls_to_zero() {
     let gust = Gust { start_s: 10.0, duration_s: 4.0, amplitude_m_s: 3.0, direction_rad: core::f64::consts::FRAC_PI_2 };
     assert_eq!(gust.velocity_world_m_s(10.0), Vector3::zeros());
     assert_eq!(gust.velocity_world_m_s(14.0), Vector3::zeros());

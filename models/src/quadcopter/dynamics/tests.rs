@@ -1,4 +1,4 @@
-//! The quadcopter's derivative against the vectors, the Euler form and what must vanish or change sign.
+//! The quadcopter's derivative against the test vectors, the Euler form, and terms that must vanish or change sign.
 
 use super::*;
 use crate::frames::{
@@ -42,7 +42,7 @@ fn euler_angle_rates([_, theta, gamma]: [f64; 3], w: Vector3<f64>) -> [f64; 3] {
 }
 
 #[test]
-fn the_derivative_is_that_of_the_vectors_for_every_rotor_model() {
+fn the_derivative_equals_that_of_the_vectors_for_every_rotor_model() {
     let models =
         [(RotorModel::Bemt, "deriv_bemt"), (RotorModel::Paper, "deriv_paper_eq3"), (RotorModel::Kw2, "deriv_k_w2")];
     for (rotor_model, key) in models {
@@ -110,7 +110,7 @@ fn hover_is_an_equilibrium() {
 }
 
 #[test]
-fn near_the_ground_slower_rotors_carry_the_weight() {
+fn near_the_ground_a_lower_rotor_speed_carries_the_weight() {
     let table = [(0.05, 209.2), (0.1, 218.5), (0.2, 223.1), (0.5, 225.2), (1.0, 225.5)];
     let parameters = Parameters::default();
     for (height_m, expected_rad_s) in table {
@@ -129,7 +129,7 @@ fn near_the_ground_slower_rotors_carry_the_weight() {
 }
 
 #[test]
-fn faster_rotors_1_and_3_turn_the_body_the_other_way_round() {
+fn a_higher_speed_of_rotors_1_and_3_turns_the_body_against_their_rotation() {
     let parameters = Parameters::default();
     let mut state = hovering(&parameters, 5.0);
     let hover = parameters.hover_speed_rad_s();
@@ -140,7 +140,7 @@ fn faster_rotors_1_and_3_turn_the_body_the_other_way_round() {
 }
 
 #[test]
-fn rolling_with_a_surplus_of_spin_gives_the_gyroscopic_moment() {
+fn rolling_with_a_net_rotor_spin_gives_the_gyroscopic_moment() {
     let parameters = Parameters { rotor_model: RotorModel::Kw2, ..Parameters::default() };
     let mut state = hovering(&parameters, 5.0);
     state.rotor_speed_rad_s = [230.0, 220.0, 230.0, 220.0];
@@ -180,7 +180,7 @@ fn a_rotor_at_half_effectiveness_has_half_its_thrust_and_half_its_torque() {
 }
 
 #[test]
-fn speeding_up_a_rotor_reacts_upon_the_body() {
+fn accelerating_a_rotor_causes_a_reaction_torque_on_the_body() {
     let parameters = Parameters { torque_coefficient_n_m_s2: 0.0, ..Parameters::default() };
     let state = hovering(&parameters, 5.0);
     let moment = Plant::new(&parameters).moment_n_m(&state, [1.0; 4], [100.0, 0.0, 0.0, 0.0], [1.0; 4]);
@@ -199,12 +199,12 @@ fn drag_is_along_the_relative_wind_and_changes_sign_with_it() {
 }
 
 #[test]
-fn the_ground_makes_the_thrust_tremble_below_one_metre_only() {
+fn ground_turbulence_changes_the_thrust_below_one_metre_only() {
     let parameters = Parameters { ground_effect: false, ..Parameters::default() };
     let plant = Plant::new(&parameters);
-    let thrust = |height_m: f64, trembling: f64| {
+    let thrust = |height_m: f64, fluctuation: f64| {
         let state = hovering(&parameters, height_m);
-        plant.thrusts_n(&state, &inputs([0.0; 4]), [trembling, 0.0, 0.0, 0.0])[0]
+        plant.thrusts_n(&state, &inputs([0.0; 4]), [fluctuation, 0.0, 0.0, 0.0])[0]
     };
     assert!((thrust(0.25, 0.1) / thrust(0.25, 0.0) - 1.075).abs() < 1e-12);
     assert_eq!(thrust(1.5, 0.1), thrust(1.5, 0.0));

@@ -30,7 +30,7 @@ fn demand(goal_m: [f64; 3]) -> (Vector3<f64>, Vector3<f64>) {
 }
 
 #[test]
-fn force_angles_and_integral_are_those_of_the_vector() {
+fn force_angles_and_integral_equal_those_of_the_vector() {
     let expected = get("outer");
     let x = numbers(&get("quad_deriv")["x"]);
     let ours = |from: usize| vector_from_geng_chulin(Vector3::from_column_slice(&x[from..from + 3]));
@@ -69,7 +69,7 @@ fn the_desired_angles_turn_the_thrust_along_the_force() {
 }
 
 #[test]
-fn the_tilt_of_the_force_is_limited_and_its_direction_kept() {
+fn the_tilt_of_the_force_is_limited_and_its_heading_kept() {
     let (force_n, integral_n) = demand([30.0, -40.0, 0.0]);
     let tilt = libm::atan2(force_n.xy().norm(), force_n.z);
     assert!((tilt - 25.0_f64.to_radians()).abs() < 1e-12);

@@ -15,7 +15,7 @@ fn seeded(seed: u64) -> Turbulence {
 }
 
 #[test]
-fn scales_at_20_m_and_at_20_ft_are_those_of_the_specification() {
+fn scales_at_20_m_and_at_20_ft_equal_those_of_the_specification() {
     let ratio = |s: &Scales| s.horizontal_intensity_m_s / s.vertical_intensity_m_s;
     let s = scales();
     let actual = [s.horizontal_length_m, s.horizontal_length_m, s.vertical_length_m, ratio(&s)];
@@ -41,7 +41,7 @@ fn seed_1_gives_the_samples_of_the_vectors() {
 }
 
 #[test]
-fn the_series_for_small_steps_meets_the_closed_form() {
+fn the_series_for_small_steps_agrees_with_the_closed_form() {
     let (below, above) = (Lateral::passing(SERIES_BELOW * (1.0 - 1e-9)), Lateral::passing(SERIES_BELOW));
     assert_close(below.l21, above.l21, 1e-3);
     assert_close(below.l22, above.l22, 1e-3);
@@ -61,8 +61,8 @@ fn deviations(sample_time_s: f64, count: usize) -> [f64; 3] {
 }
 
 #[test]
-fn standard_deviations_are_the_intensities_whatever_the_sample_time() {
-    // Two runs of 1e6 s and 4e6 s: with a correlation time of 19 s, shorter ones scatter by more than the 2 % allowed.
+fn standard_deviations_equal_the_intensities_for_any_sample_time() {
+    // Two runs of 1e6 s and 4e6 s: with a correlation time of 19 s, shorter runs scatter by more than the 2 % allowed.
     for (sample_time_s, count) in [(1.0, 1_000_000), (20.0, 200_000)] {
         for (actual, expected) in deviations(sample_time_s, count).into_iter().zip([1.0782, 1.0782, 0.6]) {
             assert!((actual / expected - 1.0).abs() < 0.02, "{actual} for {expected} at Δ = {sample_time_s} s");
@@ -70,7 +70,7 @@ fn standard_deviations_are_the_intensities_whatever_the_sample_time() {
     }
 }
 
-/// One-sided spectra in m²/s² per Hz that the filters shall give, at a frequency in Hz.
+/// One-sided spectra in m²/s² per Hz expected from the filters, at a frequency in Hz.
 fn theory(frequency_hz: f64) -> [f64; 3] {
     let s = scales();
     let squared = |length_m: f64| {
@@ -106,7 +106,7 @@ fn periodogram(segment: &[f64], sample_time_s: f64, frequency_hz: f64) -> f64 {
 
 #[test]
 fn spectra_are_those_of_the_filters_from_5_mhz_to_2_hz() {
-    // Δ = 50 ms keeps what folds back from above 10 Hz below 2 % at 2 Hz.
+    // Δ = 50 ms keeps aliasing from above 10 Hz below 2 % at 2 Hz.
     let (sample_time_s, length, segments) = (0.05, 16_384, 60);
     let frequencies: Vec<f64> = (0..16).map(|i| 0.005 * libm::pow(400.0, f64::from(i) / 15.0)).collect();
     let mut turbulence = seeded(5);
