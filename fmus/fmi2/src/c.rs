@@ -4,13 +4,13 @@ use std::ffi::{c_char, c_int, c_uint, c_void};
 
 /// `fmi2Component`: the unit's handle of one instance.
 pub type Component = *mut c_void;
-/// `fmi2ComponentEnvironment`: the importer's handle, handed back in callbacks.
+/// `fmi2ComponentEnvironment`: the importer's handle, passed back in callbacks.
 pub type ComponentEnvironment = *mut c_void;
 /// `fmi2FMUstate`: the unit's handle of one saved state.
 pub type FmuState = *mut c_void;
 /// `fmi2ValueReference`.
 pub type ValueReference = c_uint;
-/// `fmi2Boolean`: any value but zero is true.
+/// `fmi2Boolean`: any value except zero is true.
 pub type Boolean = c_int;
 /// `fmi2String`: UTF-8, zero-terminated.
 pub type Str = *const c_char;
@@ -20,7 +20,7 @@ pub const TRUE: Boolean = 1;
 /// `fmi2False`.
 pub const FALSE: Boolean = 0;
 
-/// `fmi2Status` as it crosses the border: a plain integer, since a foreign unit may return any.
+/// `fmi2Status` as it crosses the C interface: a plain integer, since a foreign unit may return any value.
 pub type RawStatus = c_int;
 
 /// `fmi2Status`.
@@ -42,7 +42,7 @@ pub enum Status {
 }
 
 impl Status {
-    /// The status of a raw value, or `None` if the standard knows no such value.
+    /// The status of a raw value, or `None` if the standard does not define the value.
     #[must_use]
     pub fn from_raw(raw: RawStatus) -> Option<Self> {
         Some(match raw {
@@ -107,8 +107,8 @@ pub struct CallbackFunctions {
     pub allocate_memory: Option<CallbackAllocateMemory>,
     /// `free`.
     pub free_memory: Option<CallbackFreeMemory>,
-    /// For asynchronous steps; may be absent.
+    /// `fmi2StepFinished`, for asynchronous steps; may be absent.
     pub step_finished: Option<StepFinished>,
-    /// Handed back in `logger` and `step_finished`.
+    /// Passed back in `logger` and `step_finished`.
     pub component_environment: ComponentEnvironment,
 }

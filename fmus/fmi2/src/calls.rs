@@ -1,10 +1,10 @@
-//! Which call is allowed in which state: section 4.2.4 of the standard as one table, with what an exporter accepts beyond it.
+//! The calls allowed in each state: section 4.2.4 of the standard as one table, plus what an exporter also accepts.
 
 use crate::c::Status;
 use crate::description::{Causality, Initial, Variability};
 use serde::{Deserialize, Serialize};
 
-/// The functions of FMI 2.0 for co-simulation. The number of each is stable; a board may store it.
+/// The functions of FMI 2.0 for co-simulation. The number of each is stable, because a board may store it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Call {
@@ -117,7 +117,7 @@ impl Call {
         Self::GetStringStatus,
     ];
 
-    /// The call of a number, or `None` if no call has it.
+    /// The call with this number, or `None` if there is none.
     #[must_use]
     pub fn from_number(number: u8) -> Option<Self> {
         Self::ALL.into_iter().find(|&call| call as u8 == number)
@@ -165,26 +165,26 @@ impl Call {
     }
 }
 
-/// Where an instance stands in the state machine of co-simulation.
+/// State of an instance in the state machine of co-simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum State {
-    /// There is no instance: not yet, or no more.
+    /// There is no instance: not yet created, or already freed.
     NotInstantiated,
     /// Instantiated or reset; start values are set and the experiment is set up.
     Instantiated,
     /// Between the two calls around initialization mode.
     InitializationMode,
-    /// The last step is done (or none was made yet) and the next may begin.
+    /// The last step is complete (or there was none yet) and the next may begin.
     StepComplete,
-    /// An asynchronous step runs.
+    /// An asynchronous step is in progress.
     StepInProgress,
     /// The last step was discarded.
     StepFailed,
-    /// The last, asynchronous step was called off.
+    /// The last step, an asynchronous one, was cancelled.
     StepCanceled,
     /// The run is over; results can still be read.
     Terminated,
-    /// A call returned `fmi2Error`: values are for debugging, a reset or a restored state helps.
+    /// A call returned `fmi2Error`: values are for debugging only; a reset or a restored state leaves this state.
     Error,
     /// A call returned `fmi2Fatal`: no instance of this library may be called again.
     Fatal,
@@ -205,7 +205,7 @@ impl State {
         Self::Fatal,
     ];
 
-    /// The state's name as the standard's figure writes it.
+    /// The state's name in the figure of the standard.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -228,19 +228,19 @@ impl State {
 pub enum Permission {
     /// The standard allows it.
     Always,
-    /// The standard allows it, but what it answers is good for debugging only.
+    /// The standard allows it, but the values it returns are for debugging only.
     DebugValues,
-    /// The standard forbids it, yet importers do it: an exporter obeys and logs a warning, an importer does not do it.
+    /// The standard forbids it, but importers do it: an exporter executes it and logs a warning, an importer avoids it.
     WithWarning,
-    /// The standard forbids it: an exporter answers `fmi2Error` and logs why.
+    /// The standard forbids it: an exporter returns `fmi2Error` and logs the reason.
     No,
 }
 
 /// Whether the call may be made in the state.
 ///
-/// Three rules need more than the state: `fmi2SetupExperiment` comes at most once before initialization, and if it never
-/// came an exporter starts at 0 with a warning; a set call obeys [`settable`] for each variable; and freeing no instance is
-/// a call without effect, which is why [`Call::FreeInstance`] is allowed where there is none.
+/// Three rules need more than the state: `fmi2SetupExperiment` is called at most once before initialization, and
+/// without it an exporter starts at 0 with a warning; a set call obeys [`settable`] for each variable; and freeing a
+/// null instance has no effect, therefore [`Call::FreeInstance`] is allowed where there is no instance.
 #[must_use]
 pub fn permitted(call: Call, state: State) -> Permission {
     use Call as C;
@@ -301,9 +301,9 @@ fn permitted_on_values(call: Call, state: State) -> Permission {
     }
 }
 
-/// Whether a variable may be set in the state; `initial` is what is written, or else the default of the standard's table.
+/// Whether a variable may be set in the state; `initial` is the attribute or, if absent, the standard's default.
 ///
-/// Before initialization the standard names start values only; inputs are settable too, since importers give them their
+/// Before initialization the standard allows start values only; inputs are settable too, since importers set their
 /// first values there.
 #[must_use]
 pub fn settable(state: State, causality: Causality, variability: Variability, initial: Option<Initial>) -> Permission {
@@ -320,8 +320,9 @@ pub fn settable(state: State, causality: Causality, variability: Variability, in
 
 /// The state after a permitted call that returned this status.
 ///
-/// Two answers lie outside the table and are the caller's: where a restored state stood when it was saved, and what a
-/// `fmi2GetStatus` said about a step in progress.
+/// Two cases are outside the table and are the caller's: the state in which a restored state was saved, and the result
+/// of
+/// `fmi2GetStatus` for a step in progress.
 #[must_use]
 pub fn next(state: State, call: Call, status: Status) -> State {
     match (call, status) {

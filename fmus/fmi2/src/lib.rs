@@ -1,12 +1,12 @@
-//! The vocabulary of FMI 2.0.5 for co-simulation, shared by the exporter and the importer.
+//! The types and rules of FMI 2.0.5 for co-simulation, shared by the exporter and the importer.
 //!
 //! - [`c`]: the C types of the three header files, and the status values.
 //! - [`calls`]: which call is allowed in which state, as one table.
 //! - [`description`]: `modelDescription.xml` as a data structure, with a reader, a writer and a checker.
-//! - [`platform`]: where an archive keeps the libraries of this platform.
+//! - [`platform`]: the folders of an archive with the libraries of this platform.
 //! - [`units`]: units of measure as exponents of the SI base units, factor and offset.
 //!
-//! Next on the walk of a number: `dsl/src/resolve`, which looks names up in the [`description`].
+//! Next on the path of a value: `dsl/src/resolve`, which looks names up in the [`description`].
 #![forbid(unsafe_code)]
 
 pub mod c;

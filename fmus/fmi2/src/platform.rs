@@ -1,6 +1,7 @@
-//! Where an archive keeps the libraries of this platform.
+//! The folders of an archive with the libraries of this platform.
 
-/// The folders below `binaries/` that hold libraries for this platform, the name by FMI 2.0 first; none if it has no name.
+/// The folders below `binaries/` with libraries for this platform, FMI 2.0's name first; empty if the platform has no
+/// name.
 pub const FOLDERS: &[&str] = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
     &["linux64", "x86_64-linux"]
 } else if cfg!(all(target_os = "linux", target_arch = "aarch64")) {

@@ -1,7 +1,7 @@
 //! Units of measure as exponents of the SI base units, factor and offset.
 //!
-//! A unit is what a `BaseUnit` element of a model description says; [`parse`] reads the unit expressions that scripts and
-//! unit crates write (`m/s^2`, `N.m`, `deg`), from one built-in table.
+//! A unit is represented like a `BaseUnit` element of a model description; [`parse`] reads the unit expressions of
+//! scripts and unit crates (`m/s^2`, `N.m`, `deg`) with one built-in table.
 
 mod parse;
 mod table;
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 pub struct Dimension(pub [i8; 8]);
 
 impl Dimension {
-    /// No base unit at all: the dimension of a plain number.
+    /// The dimension of a plain number.
     pub const NONE: Self = Self([0; 8]);
     /// The names of the base units, in the order of the exponents.
     pub const BASE_NAMES: [&'static str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
@@ -45,7 +45,7 @@ impl Dimension {
         self.each(|_, exponent| (exponent % 2 == 0).then_some(exponent / 2))
     }
 
-    /// The same with the exponent of rad set to 0: inside expressions an angle counts as a plain number.
+    /// The dimension with the exponent of rad set to 0: inside expressions an angle is treated as a plain number.
     #[must_use]
     pub fn without_angle(mut self) -> Self {
         self.0[7] = 0;
@@ -104,13 +104,13 @@ impl BaseUnit {
         self.scale().apply(value)
     }
 
-    /// The value in this unit of an SI value.
+    /// The value in this unit for an SI value.
     #[must_use]
     pub fn from_si(&self, si: f64) -> f64 {
         if self.factor == 1.0 && self.offset == 0.0 { si } else { (si - self.offset) / self.factor }
     }
 
-    /// How values in this unit become values in the other one; `None` if the dimensions differ.
+    /// The conversion of values in this unit to values in the other one; `None` if the dimensions differ.
     #[must_use]
     pub fn conversion_to(&self, other: &Self) -> Option<Conversion> {
         let (factor, offset) = (self.factor / other.factor, (self.offset - other.offset) / other.factor);
@@ -122,7 +122,7 @@ impl BaseUnit {
     }
 }
 
-/// `new = factor * old + offset`, as between two units of one dimension or from a unit to its display unit.
+/// `new = factor * old + offset`, between two units of one dimension or from a unit to its display unit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Conversion {
     /// Factor.
@@ -132,10 +132,10 @@ pub struct Conversion {
 }
 
 impl Conversion {
-    /// The conversion that changes nothing.
+    /// The identity.
     pub const IDENTITY: Self = Self { factor: 1.0, offset: 0.0 };
 
-    /// The converted value; under [`Conversion::IDENTITY`] the same bits.
+    /// The converted value; [`Conversion::IDENTITY`] keeps the bits.
     #[must_use]
     pub fn apply(&self, value: f64) -> f64 {
         if *self == Self::IDENTITY { value } else { self.factor * value + self.offset }

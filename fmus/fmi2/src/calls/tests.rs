@@ -1,8 +1,8 @@
-//! Tests of the call table: every pair against a table written by hand, and the walk of a run.
+//! Tests of the call table: every pair against a table written by hand, and the sequence of states of a run.
 
 use super::*;
 
-/// `+` always, `*` debug values, `w` with a warning, `.` no; the columns are the states in the order of [`State::ALL`]:
+/// `+` yes, `*` debug values, `w` with a warning, `.` no; the columns are the states in the order of [`State::ALL`]:
 /// not instantiated, Instantiated, iNitialization mode, step Complete, in Progress, Failed, canceled (X), Terminated,
 /// Error, fatal (!).
 const GOLDEN: &str = "
@@ -59,7 +59,7 @@ fn every_pair_of_call_and_state_agrees_with_the_table_written_by_hand() {
 }
 
 #[test]
-fn the_number_of_a_call_is_its_place_and_leads_back_to_it() {
+fn the_number_of_a_call_is_its_index_and_converts_back_to_it() {
     for (place, call) in Call::ALL.into_iter().enumerate() {
         assert_eq!(call as usize, place + 1);
         assert_eq!(Call::from_number(call as u8), Some(call));
@@ -77,7 +77,7 @@ fn names_of_states_and_calls_are_all_different() {
 }
 
 #[test]
-fn what_may_be_set_shrinks_as_the_run_goes_on() {
+fn fewer_variables_are_settable_as_the_run_proceeds() {
     use Initial::{Approx, Calculated, Exact};
     let states = [State::Instantiated, State::InitializationMode, State::StepComplete, State::Terminated];
     let rows = [
@@ -104,7 +104,7 @@ fn what_may_be_set_shrinks_as_the_run_goes_on() {
 }
 
 #[test]
-fn a_run_walks_from_instantiate_to_free() {
+fn a_run_passes_through_its_states_from_instantiate_to_free() {
     let walk = [
         (Call::Instantiate, Status::Ok, State::Instantiated),
         (Call::SetupExperiment, Status::Ok, State::Instantiated),

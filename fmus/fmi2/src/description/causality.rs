@@ -1,4 +1,4 @@
-//! Causality, variability and initial: what a variable is for, when it changes, where its first value comes from.
+//! The attributes causality, variability and initial: role, time of change and source of the first value of a variable.
 
 use serde::{Deserialize, Serialize};
 
@@ -98,7 +98,8 @@ impl Initial {
     }
 }
 
-/// The default of `initial` in the table of section 2.2.7; `None` for inputs, the independent variable and pairs that the table forbids.
+/// The default of `initial` in the table of section 2.2.7; `None` for inputs, the independent variable and pairs that
+/// the table forbids.
 #[must_use]
 pub fn default_initial(causality: Causality, variability: Variability) -> Option<Initial> {
     use {Causality as C, Variability as V};

@@ -1,5 +1,5 @@
-//! Judges a description by the rules of FMI 2.0.5 for co-simulation; each finding names the section, the place, what was
-//! expected and what was found.
+//! Checks a description against the rules of FMI 2.0.5 for co-simulation; each finding names the section, the position,
+//! what was expected and what was found.
 
 mod attributes;
 mod dependencies;
@@ -16,8 +16,7 @@ use std::collections::BTreeMap;
 
 use super::{Finding, ModelDescription, Position, SimpleType, UnitDefinition};
 
-/// Everything that is wrong with the description, in the file's order. What [`read`](super::read::read) found is not
-/// repeated.
+/// All violations of the rules, in the file's order. Findings of [`read`](super::read::read) are not repeated.
 #[must_use]
 pub fn check(model: &ModelDescription) -> Vec<Finding> {
     let mut report = Report::new(model);
@@ -34,7 +33,7 @@ pub fn check(model: &ModelDescription) -> Vec<Finding> {
     findings
 }
 
-/// The description under examination, its names for look-up, and what was found.
+/// The description under check, its names for look-up, and the findings.
 struct Report<'a> {
     model: &'a ModelDescription,
     units: BTreeMap<&'a str, &'a UnitDefinition>,
@@ -44,7 +43,7 @@ struct Report<'a> {
 
 impl<'a> Report<'a> {
     fn new(model: &'a ModelDescription) -> Self {
-        // Of equal names the first one counts, as in the description's own look-up.
+        // Of equal names the first one is used, as in the description's own look-up.
         let units = model.units.iter().rev().map(|unit| (unit.name.as_str(), unit)).collect();
         let types = model.types.iter().rev().map(|declared| (declared.name.as_str(), declared)).collect();
         Self { model, units, types, findings: Vec::new() }
@@ -58,7 +57,7 @@ impl<'a> Report<'a> {
         self.findings.push(Finding::warning(rule, position, message));
     }
 
-    /// Reports names that are empty or stand twice in a list; `what` is the article and noun, as in "a unit".
+    /// Reports names that are empty or occur twice in a list; `what` is the article and noun, as in "a unit".
     fn unique<'n>(&mut self, rule: &'static str, what: &str, names: impl IntoIterator<Item = (&'n str, Position)>) {
         let mut seen: BTreeMap<&str, Position> = BTreeMap::new();
         for (name, position) in names {

@@ -1,10 +1,10 @@
-//! What is wrong with a description, where, and by which rule.
+//! A violation in a description, with its position and rule.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// A place in `modelDescription.xml`, counted from 1; `0:0` for what was never read from a file.
+/// A position in `modelDescription.xml`, counted from 1; `0:0` for elements that were not read from a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Position {
     /// Line, from 1.
@@ -13,23 +13,23 @@ pub struct Position {
     pub column: u32,
 }
 
-/// How bad a finding is.
+/// Severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Severity {
     /// A rule of the standard is broken.
     Error,
-    /// No rule is broken, but tools stumble over it.
+    /// No rule is broken, but some tools fail on it.
     Warning,
 }
 
-/// One thing that is wrong with a description.
+/// One violation in a description.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// How bad it is.
+    /// Severity.
     pub severity: Severity,
-    /// The section of FMI 2.0.5 that says so, or `XML` where the file is no readable XML.
+    /// The section of FMI 2.0.5 with the rule, or `XML` where the file is not valid XML.
     pub rule: &'static str,
-    /// Where it was found.
+    /// Position in the file.
     pub position: Position,
     /// What was expected and what was found.
     pub message: String,
@@ -41,13 +41,13 @@ impl Finding {
         Self { severity: Severity::Error, rule, position, message: message.into() }
     }
 
-    /// A habit that tools stumble over.
+    /// A valid construct on which some tools fail.
     pub(crate) fn warning(rule: &'static str, position: Position, message: impl Into<String>) -> Self {
         Self { severity: Severity::Warning, rule, position, message: message.into() }
     }
 }
 
-/// `12:5: error[2.2.7]: …`; without a place only `error[2.2.7]: …`.
+/// `12:5: error[2.2.7]: …`; without a position only `error[2.2.7]: …`.
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Position { line, column } = self.position;

@@ -1,7 +1,7 @@
 //! `modelDescription.xml` as a data structure: [`mod@read`], [`mod@write`], [`mod@check`].
 //!
-//! The structure mirrors the schema of FMI 2.0.5 for co-simulation; names are the schema's in Rust's spelling. Whatever
-//! was read remembers where it stood, so that every finding has a line and a column.
+//! The structure mirrors the schema of FMI 2.0.5 for co-simulation; names are the schema's in Rust's spelling. Elements
+//! keep their position in the file, so that every finding has a line and a column.
 
 mod causality;
 pub mod check;
@@ -24,7 +24,7 @@ pub use variable::{BaseType, Kind, RealVariable, Variable};
 /// `fmiModelDescription`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ModelDescription {
-    /// Where the element stands.
+    /// Position of the element.
     pub position: Position,
     /// `fmiVersion`, `2.0`.
     pub fmi_version: String,
@@ -52,7 +52,7 @@ pub struct ModelDescription {
     pub number_of_event_indicators: Option<String>,
     /// `CoSimulation`, absent for units that only do model exchange.
     pub co_simulation: Option<CoSimulation>,
-    /// Whether a `ModelExchange` element is there.
+    /// Whether there is a `ModelExchange` element.
     pub has_model_exchange: bool,
     /// `UnitDefinitions`.
     pub units: Vec<UnitDefinition>,
@@ -137,7 +137,7 @@ impl NamingConvention {
 /// `CoSimulation`: identifier and capability flags.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CoSimulation {
-    /// Where the element stands.
+    /// Position of the element.
     pub position: Position,
     /// `modelIdentifier`: the library's file name without extension.
     pub model_identifier: String,
@@ -168,7 +168,7 @@ pub struct CoSimulation {
 /// `Category` of `LogCategories`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LogCategory {
-    /// Where the element stands.
+    /// Position of the element.
     pub position: Position,
     /// `name`
     pub name: String,
@@ -179,7 +179,7 @@ pub struct LogCategory {
 /// `DefaultExperiment`, in seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DefaultExperiment {
-    /// Where the element stands.
+    /// Position of the element.
     pub position: Position,
     /// `startTime`
     pub start_time: Option<f64>,

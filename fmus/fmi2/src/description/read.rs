@@ -1,7 +1,7 @@
-//! Reads `modelDescription.xml` from bytes: whatever can be understood is, and everything odd becomes a finding.
+//! Reads `modelDescription.xml` from bytes: everything readable is read, and everything invalid becomes a finding.
 //!
-//! Neither the parser nor this reader recurses, so nesting needs no limit; document type definitions and with them
-//! entities are refused.
+//! Neither the parser nor this reader recurses, so nesting needs no limit; document type definitions, and with them
+//! entities, are rejected.
 
 mod element;
 mod encoding;
@@ -19,10 +19,11 @@ pub const MAX_BYTES: usize = 64 << 20;
 /// The largest number of elements, texts and comments in a file.
 pub const MAX_NODES: u32 = 4_000_000;
 
-/// Reads a description and says what was odd about it; [`check`](super::check::check) then judges what it means.
+/// Reads a description and reports invalid syntax; [`check`](super::check::check) then checks the rules of the
+/// standard.
 ///
 /// # Errors
-/// One finding that says why nothing could be read: too large, an unknown encoding, no XML, or not FMI 2.0.
+/// One finding with the reason why the file is unreadable: too large, an unknown encoding, not XML, or not FMI 2.0.
 pub fn read(bytes: &[u8]) -> Result<(ModelDescription, Vec<Finding>), Finding> {
     if bytes.len() > MAX_BYTES {
         let message = format!("the file has {} bytes; at most {MAX_BYTES} are read", bytes.len());
@@ -38,7 +39,7 @@ pub fn read(bytes: &[u8]) -> Result<(ModelDescription, Vec<Finding>), Finding> {
         let message = format!("the root element is `{}`; expected `fmiModelDescription`", root.name());
         return Err(Finding::error("2.2.1", root.position(), message));
     }
-    // A missing version is for the checker; another major version is another format.
+    // A missing version is reported by the checker; another major version is another format.
     let version = root.attribute("fmiVersion").unwrap_or_default().trim();
     if !version.is_empty() && version.split('.').next() != Some("2") {
         let message = format!("the unit is made for FMI {version}; expected FMI 2.0");
@@ -48,7 +49,7 @@ pub fn read(bytes: &[u8]) -> Result<(ModelDescription, Vec<Finding>), Finding> {
     Ok((model, source.into_findings()))
 }
 
-/// What the XML parser says, without the position that the finding has of its own.
+/// The message of the XML parser without its position, because the finding has its own.
 fn not_xml(error: &roxmltree::Error, text: &str) -> Finding {
     use roxmltree::Error;
     let at = error.pos();

@@ -7,7 +7,7 @@ use super::Position;
 /// `SimpleType`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SimpleType {
-    /// Where the element stands.
+    /// Position of the element.
     pub position: Position,
     /// `name`.
     pub name: String,
@@ -45,7 +45,7 @@ pub enum TypeKind {
 /// `Item` of an enumeration type.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Item {
-    /// Where the element stands.
+    /// Position of the element.
     pub position: Position,
     /// `name`
     pub name: String,

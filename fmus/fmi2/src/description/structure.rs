@@ -1,4 +1,4 @@
-//! `ModelStructure`: outputs, derivatives and initial unknowns with what they depend on.
+//! `ModelStructure`: outputs, derivatives and initial unknowns with their dependencies.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use super::Position;
 /// `ModelStructure`; indices count from 0 into [`variables`](super::ModelDescription::variables).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ModelStructure {
-    /// Where the element stands.
+    /// Position of the element.
     pub position: Position,
     /// `Outputs`
     pub outputs: Vec<Unknown>,
@@ -20,9 +20,9 @@ pub struct ModelStructure {
 /// `Unknown`
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Unknown {
-    /// Where the element stands.
+    /// Position of the element.
     pub position: Position,
-    /// The variable; `usize::MAX` stands for an index of 0 in the file, which the checker reports.
+    /// Index of the variable; `usize::MAX` represents an index of 0 in the file, which the checker reports.
     pub index: usize,
     /// `dependencies`: `None` (absent) means on everything, an empty list on nothing.
     pub dependencies: Option<Vec<usize>>,

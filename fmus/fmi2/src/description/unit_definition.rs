@@ -7,11 +7,11 @@ use super::Position;
 /// `Unit` with its `BaseUnit` and `DisplayUnit`s.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct UnitDefinition {
-    /// Where the element stands.
+    /// Position of the element.
     pub position: Position,
     /// `name`.
     pub name: String,
-    /// `BaseUnit`; absent means that nothing is known but the name.
+    /// `BaseUnit`; if absent, only the name is known.
     pub base: Option<crate::units::BaseUnit>,
     /// `DisplayUnit`s.
     pub display_units: Vec<DisplayUnit>,
@@ -20,13 +20,13 @@ pub struct UnitDefinition {
 /// `DisplayUnit`: `display = factor * value + offset`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DisplayUnit {
-    /// Where the element stands.
+    /// Position of the element.
     pub position: Position,
     /// `name`.
     pub name: String,
-    /// `factor`, 1 unless given.
+    /// `factor`, 1 by default.
     pub factor: f64,
-    /// `offset`, 0 unless given.
+    /// `offset`, 0 by default.
     pub offset: f64,
 }
 

@@ -1,4 +1,4 @@
-//! `ScalarVariable`: one port as the standard sees it.
+//! `ScalarVariable`: one port in the terms of the standard.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use super::{Causality, Initial, Position, RealAttributes, Variability, default_i
 /// `ScalarVariable`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Variable {
-    /// Where the element stands.
+    /// Position of the element.
     pub position: Position,
     /// `name`
     pub name: String,
@@ -30,7 +30,7 @@ pub struct Variable {
 /// The child element of a `ScalarVariable`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Kind {
-    /// `Real`; `start` stands in [`RealVariable`].
+    /// `Real`; `start` is in [`RealVariable`].
     Real(RealVariable),
     /// `Integer`
     Integer {
@@ -71,7 +71,7 @@ pub struct RealVariable {
     pub derivative: Option<usize>,
     /// `reinit`
     pub reinit: bool,
-    /// What a type may declare too; the variable's own value counts first.
+    /// Attributes that a type may declare too; the variable's own values take precedence.
     pub attributes: RealAttributes,
 }
 
@@ -82,7 +82,7 @@ impl std::ops::Deref for RealVariable {
     }
 }
 
-/// The base types that get and set calls distinguish; Enumeration travels as Integer.
+/// The base types that get and set calls distinguish; Enumeration is passed as Integer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum BaseType {
     /// `fmi2Real`
@@ -96,7 +96,7 @@ pub enum BaseType {
 }
 
 impl Variable {
-    /// Which get and set calls the variable travels by.
+    /// The base type of the variable's get and set calls.
     #[must_use]
     pub fn base_type(&self) -> BaseType {
         match self.kind {
@@ -107,7 +107,7 @@ impl Variable {
         }
     }
 
-    /// Whether a start value is written.
+    /// Whether there is a start value.
     #[must_use]
     pub fn has_start(&self) -> bool {
         match &self.kind {
@@ -118,7 +118,7 @@ impl Variable {
         }
     }
 
-    /// `initial`, with the standard's default for the causality and variability where none is written (table of 2.2.7).
+    /// `initial`, or if absent the standard's default for the causality and variability (table of 2.2.7).
     #[must_use]
     pub fn initial_or_default(&self) -> Option<Initial> {
         self.initial.or_else(|| default_initial(self.causality, self.variability))

@@ -1,4 +1,4 @@
-//! Writes `modelDescription.xml`: elements in the schema's order, empty lists left out, numbers in their shortest exact form.
+//! Writes `modelDescription.xml`: elements in the schema's order, no empty lists, numbers in their shortest exact form.
 
 use std::fmt::Write;
 
@@ -212,12 +212,12 @@ fn unknown(xml: &mut Xml, unknown: &Unknown) {
     xml.end();
 }
 
-/// The index as the file counts; what stands for an index of 0 becomes 0 again.
+/// The index counted from 1 as in the file; `usize::MAX`, which represents an index of 0, becomes 0 again.
 fn one_based(index: usize) -> String {
     index.wrapping_add(1).to_string()
 }
 
-/// The text so far, and the elements that are open, each with whether it has children.
+/// The text so far, and the open elements, each with whether it has children.
 struct Xml {
     text: String,
     open: Vec<(&'static str, bool)>,
@@ -260,7 +260,7 @@ impl Xml {
         self.end();
     }
 
-    /// An attribute; line breaks and tabs as references, since a reader makes blanks of them.
+    /// Writes an attribute; line breaks and tabs as references, since a reader converts them to blanks.
     fn put(&mut self, name: &str, value: &str) {
         self.text.push(' ');
         self.text.push_str(name);
@@ -295,7 +295,7 @@ impl Xml {
         self.put_some(name, value.map(|value| value.to_string()).as_deref());
     }
 
-    /// The shortest decimal that reads back to the same bits.
+    /// Writes the shortest decimal that reads back to the same bits.
     fn put_number(&mut self, name: &str, value: Option<f64>) {
         let Some(value) = value else { return };
         let mut written = String::new();

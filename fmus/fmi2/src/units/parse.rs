@@ -1,4 +1,4 @@
-//! Reads a unit expression; what cannot be read is named, with the nearest unit there is.
+//! Reads a unit expression; an error names the part that cannot be read and the nearest known unit.
 
 use std::fmt;
 use std::ops::Range;
@@ -11,31 +11,31 @@ use super::{BaseUnit, Dimension};
 pub struct UnknownUnit {
     /// The whole expression.
     pub text: String,
-    /// Where in the text the part stands that was not understood, in bytes.
+    /// Byte range in the text of the part that could not be read.
     pub part: Range<usize>,
-    /// What is wrong with it.
+    /// Kind of the error.
     pub cause: Cause,
-    /// What to write instead of the part, where something is near.
+    /// A suggested replacement of the part, if there is a similar one.
     pub suggestion: Option<String>,
 }
 
-/// What is wrong with a part of a unit expression.
+/// The kinds of error in a part of a unit expression.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// Nothing stands where a unit belongs.
+    /// A unit is missing.
     Missing,
     /// No unit has this name.
     Unknown,
-    /// Something stands after a unit that is neither an exponent nor an operator.
+    /// The text after a unit is neither an exponent nor an operator.
     Operator,
-    /// A temperature scale with an offset stands in a product, quotient or power.
+    /// A temperature scale with an offset is part of a product, quotient or power.
     Offset,
-    /// An exponent leaves the range of -128 to 127.
+    /// An exponent is outside the range of -128 to 127.
     Exponent,
 }
 
 impl UnknownUnit {
-    /// The part that was not understood.
+    /// The part that could not be read.
     #[must_use]
     pub fn part(&self) -> &str {
         self.text.get(self.part.clone()).unwrap_or_default()
@@ -71,9 +71,9 @@ impl fmt::Display for UnknownUnit {
 impl std::error::Error for UnknownUnit {}
 
 /// Reads a unit expression: symbols joined by `*`, `.` and `/` (from left to right), each with an exponent (`2`, `^2`,
-/// `^-2`, `-2`, `²`, `³`); `1` is the unit of a plain number. Blanks stand nowhere.
+/// `^-2`, `-2`, `²`, `³`); `1` is the unit of a plain number. Blanks are not allowed.
 ///
-/// The factor is the quotient of two exact products, so it is rounded once; only π adds its own rounding.
+/// The factor is the quotient of two exact products, so it is rounded once; only π adds a rounding of its own.
 ///
 /// # Errors
 /// Names the first part that is not a unit.
@@ -120,7 +120,7 @@ pub fn parse(text: &str) -> Result<BaseUnit, UnknownUnit> {
     }
 }
 
-/// Letters, or one of the two symbols that are none, or `°` with letters, or the `1`.
+/// Length of letters, or of one of the two symbols that are not letters, or of `°` with letters, or of the `1`.
 fn word_length(text: &str) -> usize {
     if text.starts_with(['%', '1']) {
         return 1;
@@ -130,7 +130,7 @@ fn word_length(text: &str) -> usize {
     degree + letters.map(char::len_utf8).sum::<usize>()
 }
 
-/// An exponent and how many bytes it takes; `value` is `None` where it is out of range.
+/// An exponent and its length in bytes; `value` is `None` where it is out of range.
 struct Exponent {
     value: Option<i8>,
     length: usize,
@@ -152,7 +152,7 @@ fn read_exponent(text: &str) -> Exponent {
     Exponent { value: text[digits_at..length].parse().ok(), length }
 }
 
-/// What was read so far.
+/// The unit read so far.
 #[derive(Clone, Copy)]
 struct Product {
     dimension: Dimension,
@@ -178,8 +178,8 @@ impl Product {
     }
 }
 
-/// The unit that was probably meant: two units without an operator, other capitals, the English name, or one mistyped letter,
-/// in this order.
+/// The unit that was probably meant: two units without an operator, other letter case, the English name, or one
+/// mistyped letter, in this order.
 fn nearest(word: &str) -> Option<String> {
     let lower = word.to_lowercase();
     let symbols = || SYMBOLS.iter().filter(|unit| unit.symbol != "1");
@@ -193,7 +193,7 @@ fn nearest(word: &str) -> Option<String> {
     let near_name = |name: &str| name.starts_with(&lower) || strsim::levenshtein(&lower, name) <= 1 + word.len() / 5;
     let by_name = || symbols().find(|unit| lower.len() >= 3 && near_name(unit.name)).map(|unit| unit.symbol.to_owned());
     let by_split = || {
-        // A single letter in front of a unit is rather a prefix, one that this unit does not take or in other capitals.
+        // A single letter before a unit is probably a prefix: one that this unit does not take, or in the wrong case.
         let looks_like_prefix =
             |left: &str| matches!(left, "h" | "K") || PREFIXES.iter().any(|prefix| prefix.0 == left);
         let known = |&(left, right): &(&str, &str)| find(left).is_some() && find(right).is_some();

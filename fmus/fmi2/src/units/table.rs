@@ -1,8 +1,8 @@
-//! The built-in symbols: SI base and derived units, and the others that people write.
+//! The built-in symbols: SI base and derived units, and other common units.
 
 use super::Dimension;
 
-/// One symbol: `si = numerator / denominator * value + offset`. Both numbers are exact, but for π.
+/// One symbol: `si = numerator / denominator * value + offset`. Both numbers are exact, except for π.
 pub(super) struct Symbol {
     pub(super) symbol: &'static str,
     /// The English name, for suggestions.
@@ -11,7 +11,7 @@ pub(super) struct Symbol {
     pub(super) numerator: f64,
     pub(super) denominator: f64,
     pub(super) offset: f64,
-    /// Whether the prefixes of [`PREFIXES`] may stand before it.
+    /// Whether it takes the prefixes of [`PREFIXES`].
     pub(super) takes_prefix: bool,
 }
 
@@ -48,7 +48,7 @@ const fn scaled(mut unit: Symbol, numerator: f64, denominator: f64, takes_prefix
     unit
 }
 
-/// A unit with an offset, which stands alone.
+/// A unit with an offset, which cannot be part of an expression.
 const fn shifted(mut unit: Symbol, offset: f64) -> Symbol {
     unit.offset = offset;
     unit.takes_prefix = false;
@@ -62,7 +62,8 @@ const TEMPERATURE: [i8; 8] = [0, 0, 0, 0, 1, 0, 0, 0];
 const ANGLE: [i8; 8] = [0, 0, 0, 0, 0, 0, 0, 1];
 const NUMBER: [i8; 8] = [0; 8];
 
-/// Every symbol, base units first; where two readings exist (`min`, `cd`), a symbol of its own counts before a prefixed one.
+/// Every symbol, base units first; where two readings exist (`min`, `cd`), a whole symbol takes precedence over a
+/// prefixed one.
 pub(super) const SYMBOLS: [Symbol; 46] = [
     si("m", "meter", LENGTH),
     scaled(si("g", "gram", MASS), 1.0, 1e3, true),
@@ -112,7 +113,7 @@ pub(super) const SYMBOLS: [Symbol; 46] = [
     scaled(si("1", "1", NUMBER), 1.0, 1.0, false),
 ];
 
-/// The factor of a prefix and the symbol that a word means, or `None`.
+/// The factor of the prefix and the symbol of a word, or `None`.
 pub(super) fn find(word: &str) -> Option<(f64, f64, &'static Symbol)> {
     let of = |word: &str| SYMBOLS.iter().find(|unit| unit.symbol == word);
     if let Some(unit) = of(word) {

@@ -113,7 +113,7 @@ fn derived_units_agree_with_their_definitions() {
 }
 
 #[test]
-fn what_is_not_a_unit_is_named_with_a_suggestion() {
+fn an_unknown_unit_is_named_with_a_suggestion() {
     let mut shown = String::new();
     let wrong = [
         "", "m/", "/s", "m//s", "m/s*k", "Nm", "kWh", "sec", "deg/sec", "Meter", "feet", "knots", "hz", "KG", "Kg",
@@ -128,7 +128,7 @@ fn what_is_not_a_unit_is_named_with_a_suggestion() {
 }
 
 #[test]
-fn a_celsius_scale_is_shifted_and_stands_alone() {
+fn a_celsius_scale_has_an_offset_and_is_not_allowed_in_expressions() {
     let celsius = parse("degC").unwrap();
     assert_eq!((celsius.to_si(-5.0), celsius.from_si(268.15)), (268.15, -5.0));
     let kelvin = parse("K").unwrap();
@@ -170,7 +170,7 @@ fn dimensions_multiply_divide_and_take_powers_within_their_range() {
 
 proptest::proptest! {
     #[test]
-    fn no_text_makes_the_parser_panic(text in "[a-zA-Z0-9°%²³^*/. \\-µ€]{0,12}") {
+    fn no_text_causes_a_panic_of_the_parser(text in "[a-zA-Z0-9°%²³^*/. \\-µ€]{0,12}") {
         if let Err(unknown) = parse(&text) {
             proptest::prop_assert!(text.get(unknown.part.clone()).is_some(), "{unknown}");
         }

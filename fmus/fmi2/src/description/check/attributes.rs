@@ -5,14 +5,14 @@ use std::fmt::Display;
 use super::Report;
 use crate::description::{Position, RealAttributes};
 
-/// Whose attributes are checked: the rule's section, the place and the words for it.
+/// The element whose attributes are checked: the rule's section, the position and the element's name in messages.
 pub(super) struct Place<'a> {
     pub(super) rule: &'static str,
     pub(super) position: Position,
     pub(super) what: &'a str,
 }
 
-/// Finite numbers, a positive nominal value, and a defined unit.
+/// Checks for finite numbers, a positive nominal value, and a defined unit.
 pub(super) fn check(report: &mut Report, place: &Place, real: &RealAttributes) {
     let Place { rule, position, what } = *place;
     for (name, value) in [("min", real.min), ("max", real.max), ("nominal", real.nominal)] {
@@ -33,7 +33,7 @@ pub(super) fn check(report: &mut Report, place: &Place, real: &RealAttributes) {
     }
 }
 
-/// A display unit that belongs to the unit, the own or the inherited one of the declared type.
+/// Checks that the display unit belongs to the unit: the element's own or the one inherited from the declared type.
 pub(super) fn display_unit(report: &mut Report, place: &Place, real: &RealAttributes, inherited: Option<&str>) {
     let Place { rule, position, what } = *place;
     let Some(display) = &real.display_unit else { return };
@@ -50,7 +50,7 @@ pub(super) fn display_unit(report: &mut Report, place: &Place, real: &RealAttrib
     }
 }
 
-/// `min <= max`.
+/// Checks `min <= max`.
 pub(super) fn range<T: PartialOrd + Display>(report: &mut Report, place: &Place, min: Option<T>, max: Option<T>) {
     if let (Some(min), Some(max)) = (min, max)
         && min > max

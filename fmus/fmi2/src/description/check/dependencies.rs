@@ -25,7 +25,7 @@ fn name_of(report: &Report, unknown: &Unknown) -> String {
     variable.map_or_else(|| unknown.index.wrapping_add(1).to_string(), |variable| format!("`{}`", variable.name))
 }
 
-/// Indices in range, ascending, and of variables that can be known.
+/// Checks that indices are in range, ascending, and of variables that may be knowns.
 fn dependencies(report: &mut Report, list: &str, unknown: &Unknown, states: &BTreeSet<usize>) {
     let (model, at) = (report.model, unknown.position);
     let name = name_of(report, unknown);
@@ -63,7 +63,8 @@ fn is_known_at_start(variable: &Variable) -> bool {
     is_known_in_a_step(variable) || variable.initial_or_default() == Some(Initial::Exact)
 }
 
-/// As many kinds as dependencies, linear ones for Reals only, and at the start only those that mean something there.
+/// Checks that there are as many kinds as dependencies, linear kinds for Reals only, and in `InitialUnknowns` only the
+/// kinds that are defined there.
 fn kinds(report: &mut Report, list: &str, unknown: &Unknown) {
     let (model, at) = (report.model, unknown.position);
     let Some(kinds) = &unknown.dependencies_kind else { return };

@@ -1,4 +1,4 @@
-//! Rules for names of variables: unique, and by the structured grammar where the description says so.
+//! Rules for names of variables: unique, and of the structured grammar where the description declares it.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ pub(super) fn check(report: &mut Report) {
     if model.variable_naming_convention != NamingConvention::Structured {
         return;
     }
-    // For each array (the name without its last indices) the indices that came last.
+    // For each array (the name without its last indices) the indices of its previous element.
     let mut arrays: BTreeMap<(&str, &str), (Vec<u32>, &str)> = BTreeMap::new();
     for (name, position) in names().filter(|(name, _)| !name.is_empty()) {
         if let Err(rest) = structured(name) {
@@ -51,7 +51,7 @@ fn last_indices(name: &str) -> Option<(&str, Vec<u32>, &str)> {
     Some((&name[..open], indices.ok()?, &name[close + 1..]))
 }
 
-/// Reads a structured name; what could not be read is the error.
+/// Reads a structured name; the error is the part that could not be read.
 fn structured(name: &str) -> Result<(), &str> {
     let rest = match name.strip_prefix("der(") {
         None => identifier(name)?,
@@ -89,7 +89,7 @@ fn plain_name(text: &str) -> Result<&str, &str> {
     if starts_well { Ok(rest) } else { Err(text) }
 }
 
-/// Behind the opening quote: characters and escapes up to the closing one.
+/// After the opening quote: characters and escapes up to the closing one.
 fn quoted_name(text: &str) -> Result<&str, &str> {
     let mut rest = text;
     loop {
@@ -104,7 +104,7 @@ fn quoted_name(text: &str) -> Result<&str, &str> {
     }
 }
 
-/// Behind the opening bracket: whole numbers between commas up to the closing one.
+/// After the opening bracket: whole numbers between commas up to the closing one.
 fn indices(mut text: &str) -> Result<&str, &str> {
     loop {
         text = digits(text).ok_or(text)?;
@@ -115,7 +115,7 @@ fn indices(mut text: &str) -> Result<&str, &str> {
     }
 }
 
-/// What follows one or more digits.
+/// The text after one or more digits.
 fn digits(text: &str) -> Option<&str> {
     let rest = text.trim_start_matches(|letter: char| letter.is_ascii_digit());
     (rest.len() < text.len()).then_some(rest)

@@ -1,4 +1,4 @@
-//! Rules for variables that share a value reference, aliases of each other.
+//! Rules for aliases: variables that share a value reference.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ pub(super) fn check(report: &mut Report) {
         for &other in &set[1..] {
             pair(report, first, other);
         }
-        // Only one of the names may be written to, so only one may say where to begin.
+        // Only one of the names may be set, so only one may have a start value.
         let mut starts = set.iter().filter(|alias| alias.has_start() && alias.variability != Variability::Constant);
         let (Some(one), Some(two)) = (starts.next(), starts.next()) else { continue };
         let message = format!(

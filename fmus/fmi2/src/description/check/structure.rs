@@ -1,4 +1,4 @@
-//! Rules for `ModelStructure`: which variables stand in which list, and in which order.
+//! Rules for `ModelStructure`: which variables are in which list, and in which order.
 
 use std::collections::BTreeSet;
 
@@ -43,7 +43,7 @@ pub(super) fn check(report: &mut Report) {
     dependencies::check(report);
 }
 
-/// A guess for lists that hold value references or count from 0.
+/// A hint for lists that seem to hold value references or to count from 0.
 fn counted_from_zero(model: &ModelDescription, index: usize, expected: impl Fn(&Variable) -> bool) -> &'static str {
     match model.variables.get(index.wrapping_add(1)) {
         Some(next) if expected(next) => "; indices count from 1, in the order of ModelVariables",
@@ -51,7 +51,7 @@ fn counted_from_zero(model: &ModelDescription, index: usize, expected: impl Fn(&
     }
 }
 
-/// The variables of a list; reports indices without a variable and variables that stand twice.
+/// The variables of a list; reports indices without a variable and variables that occur twice.
 fn members(report: &mut Report, list: &str, unknowns: &[Unknown]) -> BTreeSet<usize> {
     let model = report.model;
     let mut listed = BTreeSet::new();
@@ -72,7 +72,8 @@ fn members(report: &mut Report, list: &str, unknowns: &[Unknown]) -> BTreeSet<us
     listed
 }
 
-/// Exactly the outputs, states and derivatives whose first value is calculated, and the calculated parameters; in order.
+/// Checks that the list is exactly the outputs, states and derivatives whose first value is calculated, and the
+/// calculated parameters, in order.
 fn initial_unknowns(report: &mut Report) {
     let model = report.model;
     let structure = &model.structure;

@@ -31,7 +31,7 @@ fn base_unit(report: &mut Report, unit: &UnitDefinition, base: &BaseUnit) {
         report.error(RULE, unit.position, message);
         return;
     }
-    // A name that everybody reads in one way should mean that.
+    // A name that is a known unit expression should have that meaning.
     let Ok(usual) = parse(name) else { return };
     let relative = (base.factor / usual.factor - 1.0).abs();
     if usual.dimension != base.dimension {

@@ -1,4 +1,4 @@
-//! Rules for start values: finite, between min and max (the variable's own or its type's), and among an enumeration's items.
+//! Rules for start values: finite, between min and max of the variable or its type, and an item of an enumeration.
 
 use std::fmt::Display;
 
@@ -49,7 +49,7 @@ fn among(report: &mut Report, variable: &Variable, start: i32, items: &[Item]) {
     report.error(RULE, variable.position, message);
 }
 
-/// `min <= start <= max`, by the variable's own range and, where it has none, by its type's.
+/// Checks `min <= start <= max` with the variable's own range or, where it has none, that of its type.
 fn within<T: PartialOrd + Display + Copy>(
     report: &mut Report,
     variable: &Variable,

@@ -1,4 +1,4 @@
-//! Rules for what a variable is: causality, variability, initial, declared type, derivative.
+//! Rules for the attributes of a variable: causality, variability, initial, declared type, derivative.
 
 use super::{Report, attributes};
 use crate::description::{Causality, Initial, Kind, RealVariable, TypeKind, Variability, Variable};
@@ -44,7 +44,8 @@ fn variabilities(causality: Causality) -> &'static [Variability] {
     }
 }
 
-/// The values of `initial` that an allowed pair may have; for inputs and the independent variable it is not written at all.
+/// The values of `initial` that an allowed pair may have; inputs and the independent variable must not have the
+/// attribute.
 fn initials(causality: Causality, variability: Variability) -> &'static [Initial] {
     use Initial::{Approx, Calculated, Exact};
     match (causality, variability) {
@@ -55,7 +56,7 @@ fn initials(causality: Causality, variability: Variability) -> &'static [Initial
     }
 }
 
-/// The table of causality, variability and initial, and whether a start value stands or not.
+/// Checks causality, variability and initial against the table, and whether a start value is present.
 fn combination(report: &mut Report, variable: &Variable) {
     let (name, at) = (&variable.name, variable.position);
     let (causality, variability) = (variable.causality, variable.variability);
@@ -161,7 +162,7 @@ fn real_variable(report: &mut Report, variable: &Variable, real: &RealVariable) 
     let what = format!("`{name}`");
     let place = attributes::Place { rule: RULE, position: at, what: &what };
     attributes::check(report, &place, &real.attributes);
-    // The unit of a type that nobody defined is unknown.
+    // The unit of an undefined type is unknown.
     let type_is_known = variable.declared_type.as_deref().is_none_or(|declared| report.types.contains_key(declared));
     if type_is_known {
         attributes::display_unit(report, &place, &real.attributes, model.unit_of(variable));

@@ -1,17 +1,17 @@
-//! One element of the file with its attributes as typed values; what cannot be read becomes a finding.
+//! One element of the file with its attributes as typed values; unreadable ones become findings.
 
 use std::cell::{Cell, RefCell};
 use std::str::FromStr;
 
 use crate::description::{Finding, Position};
 
-/// More findings than this are left out: a file that is wrong everywhere is wrong in one way.
+/// Findings beyond this number are left out: in a file that is wrong everywhere they have one cause.
 const MAX_FINDINGS: usize = 1000;
 
-/// The text being read, and what was found.
+/// The text being read, and the findings.
 pub(super) struct Source<'a> {
     text: &'a str,
-    /// The last place asked for: elements are visited in the file's order, so the next place is near.
+    /// The last position computed: elements are visited in the file's order, so the next position is near.
     last: Cell<(usize, Position)>,
     findings: RefCell<Vec<Finding>>,
 }
@@ -81,7 +81,7 @@ impl<'a> Element<'a> {
         self.node.children().filter(roxmltree::Node::is_element).map(move |node| Self::new(node, source))
     }
 
-    /// What `read` makes of the child elements of this name, one after the other; others are reported as unknown.
+    /// Applies `read` to each child element with this name; others are reported as unknown.
     pub(super) fn each<T>(&self, rule: &'static str, name: &str, read: impl Fn(&Self) -> Option<T>) -> Vec<T> {
         let mut items = Vec::new();
         for child in self.children() {
@@ -94,7 +94,7 @@ impl<'a> Element<'a> {
         items
     }
 
-    /// The same for a list that must not be empty, which is something that the checker cannot see any more.
+    /// As [`Self::each`] for a list that must not be empty, which the checker cannot detect later.
     pub(super) fn items<T>(&self, rule: &'static str, name: &str, read: impl Fn(&Self) -> Option<T>) -> Vec<T> {
         if self.children().all(|child| child.name() != name) {
             self.error(rule, format!("`{}` is empty; a list without any `{name}` must be left out", self.name()));
@@ -107,7 +107,7 @@ impl<'a> Element<'a> {
         self.warning(rule, format!("`{parent}` has no element `{}` in FMI 2.0; it is ignored", self.name()));
     }
 
-    /// Reports attributes outside this list; those of other namespaces belong to tools.
+    /// Reports attributes outside this list; attributes of other namespaces belong to tools and are accepted.
     pub(super) fn expect_attributes(&self, rule: &'static str, known: &[&str]) {
         for attribute in self.node.attributes() {
             if attribute.namespace().is_none() && !known.contains(&attribute.name()) {
@@ -132,12 +132,12 @@ impl<'a> Element<'a> {
         self.source.extend([Finding::error(rule, place.unwrap_or(self.position), message)]);
     }
 
-    /// The attribute as written.
+    /// The attribute's raw text.
     pub(super) fn attribute(&self, name: &str) -> Option<&'a str> {
         self.node.attribute(name)
     }
 
-    /// The attribute, if it is there.
+    /// The attribute, if present.
     pub(super) fn text(&self, name: &str) -> Option<String> {
         self.attribute(name).map(str::to_owned)
     }
@@ -152,7 +152,7 @@ impl<'a> Element<'a> {
         self.error(rule, format!("`{}` has no attribute `{name}`, which is mandatory", self.name()));
     }
 
-    /// The attribute as a number; what is none is reported with what was expected.
+    /// The attribute as a number; an invalid one is reported with what was expected.
     pub(super) fn number<T: Number>(&self, rule: &'static str, name: &str) -> Option<T> {
         let written = self.attribute(name)?;
         let number = T::read(written.trim());
@@ -163,7 +163,7 @@ impl<'a> Element<'a> {
         number
     }
 
-    /// The attribute as a Boolean, in any capitals; `None` if it is missing or none.
+    /// The attribute as a Boolean, in upper or lower case; `None` if it is missing or invalid.
     pub(super) fn boolean(&self, rule: &'static str, name: &str) -> Option<bool> {
         let written = self.attribute(name)?;
         let value = match written.trim() {
@@ -177,7 +177,7 @@ impl<'a> Element<'a> {
         value
     }
 
-    /// The attribute as one of several words; `None` if it is missing or another one.
+    /// The attribute as one of several words; `None` if it is missing or another word.
     pub(super) fn choice<T: Copy>(
         &self,
         rule: &'static str,
@@ -195,8 +195,8 @@ impl<'a> Element<'a> {
         found
     }
 
-    /// The attribute as a list of words between blanks, each read by `read`; one that cannot be read is reported and makes the
-    /// whole list `None`, as if it were missing.
+    /// The attribute as a list of words separated by blanks, each read by `read`; an unreadable word is reported and
+    /// makes the whole list `None`, as if it were missing.
     pub(super) fn list<T>(
         &self,
         rule: &'static str,
@@ -218,14 +218,14 @@ impl<'a> Element<'a> {
 
 /// A type of number in the schema.
 pub(super) trait Number: Sized {
-    /// What a reader should have written.
+    /// The expected form, for messages.
     const EXPECTED: &'static str;
     fn read(text: &str) -> Option<Self>;
 }
 
 impl Number for f64 {
     const EXPECTED: &'static str = "a number";
-    /// `INF` and `NaN` are readable; the checker refuses them where they stand.
+    /// `INF` and `NaN` are readable; the checker rejects them where numbers must be finite.
     fn read(text: &str) -> Option<Self> {
         Self::from_str(text).ok()
     }
@@ -252,7 +252,7 @@ impl Number for i8 {
     }
 }
 
-/// The place in a list that counts from 0, of an index that counts from 1; 0 becomes `usize::MAX`, which the checker reports.
+/// Converts an index that counts from 1 to one that counts from 0; 0 becomes `usize::MAX`, which the checker reports.
 pub(super) fn from_one(index: u32) -> usize {
     index.checked_sub(1).map_or(usize::MAX, |index| index as usize)
 }

@@ -1,11 +1,11 @@
-//! Turns the bytes of an XML file into text, by byte order mark and XML declaration.
+//! Decodes the bytes of an XML file to text, by byte order mark and XML declaration.
 
 use std::borrow::Cow;
 
 use crate::description::{Finding, Position};
 
-/// Decodes UTF-8, UTF-16, US-ASCII, ISO-8859-1 and windows-1252; a file that says UTF-8 but is not is read as windows-1252,
-/// with a finding.
+/// Decodes UTF-8, UTF-16, US-ASCII, ISO-8859-1 and windows-1252; a file that declares UTF-8 but is not valid UTF-8 is
+/// read as windows-1252, with a finding.
 pub(super) fn decode(bytes: &[u8]) -> Result<(Cow<'_, str>, Option<Finding>), Finding> {
     let start = Position { line: 1, column: 1 };
     if let Some(rest) = bytes.strip_prefix(b"\xFF\xFE") {
@@ -31,7 +31,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(Cow<'_, str>, Option<Finding>), Fi
                 (Cow::Owned(windows_1252(bytes)), Some(Finding::error("XML", end_of(&good), message)))
             }
         }),
-        // Browsers and libxml2 read ISO-8859-1 so too: the codes that differ are control characters there.
+        // Browsers and libxml2 also read ISO-8859-1 as windows-1252: the codes that differ are control characters
+        // there.
         Some("iso-8859-1" | "iso8859-1" | "iso_8859-1" | "latin1" | "latin-1" | "windows-1252" | "cp1252") => {
             Ok((Cow::Owned(windows_1252(bytes)), None))
         }
@@ -43,7 +44,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(Cow<'_, str>, Option<Finding>), Fi
     }
 }
 
-/// The encoding of `<?xml … encoding="…"?>` in lower case, if it is written.
+/// The encoding of `<?xml … encoding="…"?>` in lower case, if present.
 fn declared_encoding(bytes: &[u8]) -> Option<String> {
     let head = &bytes[..bytes.len().min(256)];
     let declaration = head.strip_prefix(b"<?xml").and_then(|rest| {
@@ -67,7 +68,7 @@ fn utf_16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<(Cow<'_, str>, Optio
     }
 }
 
-/// What windows-1252 has in the place of the control characters 0x80 to 0x9F.
+/// The characters of windows-1252 for the codes 0x80 to 0x9F.
 const C1: [char; 32] = [
     '€', '\u{81}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{8D}', 'Ž', '\u{8F}', '\u{90}', '‘', '’',
     '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\u{9D}', 'ž', 'Ÿ',
@@ -83,7 +84,7 @@ fn windows_1252(bytes: &[u8]) -> String {
         .collect()
 }
 
-/// The position just behind a text.
+/// The position just after a text.
 pub(super) fn end_of(text: &str) -> Position {
     let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     let last = text.rsplit('\n').next().unwrap_or_default();

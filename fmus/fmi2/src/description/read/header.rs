@@ -1,10 +1,10 @@
-//! Reads the root element: what the unit is, what it can do, and the lists in between.
+//! Reads the root element: identity, capabilities, log categories and default experiment of the unit.
 
 use super::element::Element;
 use super::{structure, types, variable};
 use crate::description::{CoSimulation, DefaultExperiment, LogCategory, ModelDescription, NamingConvention};
 
-/// The order that the schema prescribes; the first two may change places.
+/// The order that the schema prescribes; the first two may be swapped.
 const ORDER: [(&str, usize); 9] = [
     ("ModelExchange", 0),
     ("CoSimulation", 0),
@@ -70,7 +70,7 @@ pub(super) fn model_description(root: &Element) -> ModelDescription {
         seen.push((name, rank));
         read_child(&child, &mut model);
     }
-    // The checker sees that there are no variables, but not whether the structure was written.
+    // The checker detects that there are no variables, but not whether the structure element was present.
     if !seen.iter().any(|(name, _)| *name == "ModelStructure") {
         root.error("2.2.1", "`fmiModelDescription` has no element `ModelStructure`, which is mandatory".to_owned());
     }

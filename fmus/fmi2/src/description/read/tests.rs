@@ -1,4 +1,4 @@
-//! Tests of the reader: encodings, tolerance, refusals, and bytes of any kind.
+//! Tests of the reader: encodings, tolerance, rejections, and arbitrary bytes.
 
 use std::fs;
 use std::path::Path;
@@ -12,18 +12,18 @@ use crate::description::{Kind, NamingConvention};
 
 const GOOD: &str = include_str!("../../../corpus/description/tank.xml");
 
-/// The target for foreign bytes: nothing panics, and what was read survives being written and read again.
+/// Test target for arbitrary bytes: nothing panics, and a description that was read is equal after writing and reading.
 fn survives(bytes: &[u8]) -> Result<(), TestCaseError> {
     let Ok((model, _)) = read(bytes) else { return Ok(()) };
     let _ = check(&model);
     let (again, _) = read(write(&model).as_bytes()).map_err(|finding| TestCaseError::fail(finding.to_string()))?;
-    // As text, since a number that is NaN does not equal itself.
+    // Compared as text, since NaN does not equal itself.
     let bare = |model| format!("{:?}", crate::description::write::tests::without_positions(model));
     prop_assert_eq!(bare(model), bare(again));
     Ok(())
 }
 
-/// What a user sees of a file: what it is, or why it cannot be read, then each finding.
+/// A summary of the description or the reason why it cannot be read, then each finding.
 fn outcome(bytes: &[u8]) -> String {
     match read(bytes) {
         Err(finding) => format!("refused\n  {finding}\n"),
@@ -51,7 +51,7 @@ fn every_file_of_the_corpus_reads_as_before() {
 }
 
 #[test]
-fn a_good_description_is_read_whole() {
+fn a_valid_description_is_read_completely() {
     let (model, findings) = read(GOOD.as_bytes()).unwrap();
     assert_eq!(findings, []);
     assert_eq!(model.variable_naming_convention, NamingConvention::Structured);
@@ -93,7 +93,7 @@ fn any_usual_encoding_is_read() {
 }
 
 #[test]
-fn bytes_that_are_not_the_declared_encoding_are_a_finding_at_their_place() {
+fn bytes_that_are_not_the_declared_encoding_are_a_finding_at_their_position() {
     let bytes = b"<?xml version='1.0' encoding='UTF-8'?>\n<fmiModelDescription modelName='H\xF6he' fmiVersion='2.0'/>";
     let (model, findings) = read(bytes).unwrap();
     assert_eq!(model.model_name, "Höhe");
@@ -153,14 +153,14 @@ fn elements_may_be_nested_to_any_depth() {
 }
 
 #[test]
-fn a_file_that_is_wrong_everywhere_stops_being_reported() {
+fn the_number_of_findings_of_a_file_is_limited() {
     let wrong = "<Extra/>".repeat(5000);
     let (_, findings) = read(GOOD.replace("<ModelVariables>", &format!("{wrong}<ModelVariables>")).as_bytes()).unwrap();
     assert_eq!(findings.len(), 1001);
     assert!(findings[1000].message.contains("left out"), "{}", findings[1000]);
 }
 
-/// One change to a text: bytes from `at` (in thousandths of its length) to the length of `cut` become `with`.
+/// One change to a text: `cut` bytes from `at` (in thousandths of its length) on are replaced by `with`.
 fn change() -> impl Strategy<Value = (usize, usize, Vec<u8>)> {
     let words = prop::sample::select(vec![
         "",
@@ -194,7 +194,7 @@ fn change() -> impl Strategy<Value = (usize, usize, Vec<u8>)> {
 
 proptest! {
     #[test]
-    fn no_change_to_a_good_file_makes_anything_panic(changes in prop::collection::vec(change(), 1..6)) {
+    fn no_change_to_a_valid_file_causes_a_panic(changes in prop::collection::vec(change(), 1..6)) {
         let mut bytes = GOOD.as_bytes().to_vec();
         for (at, cut, with) in changes {
             let from = bytes.len() * at / 1000;
@@ -215,7 +215,7 @@ proptest! {
     }
 
     #[test]
-    fn any_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+    fn any_bytes_are_read_or_rejected(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
         survives(&bytes)?;
     }
 }

@@ -1,4 +1,4 @@
-//! Reads `ModelVariables`. A variable is never left out, however wrong: indices count on its place.
+//! Reads `ModelVariables`. A variable is never left out, even if invalid, because indices refer to its position.
 
 use super::element::{Element, from_one};
 use super::types::{REAL_ATTRIBUTES, real_attributes};

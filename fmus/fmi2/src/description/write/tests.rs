@@ -1,4 +1,4 @@
-//! Tests of the writer: the shape of the file, and that whatever is written reads back equal.
+//! Tests of the writer: the form of the file, and that a written description reads back equal.
 
 use proptest::option::of;
 use proptest::prelude::*;
@@ -11,7 +11,7 @@ use crate::description::{
     RealVariable, Variability,
 };
 
-/// The same description, as if it had never been read from a file.
+/// The same description without positions, as if it had not been read from a file.
 pub(in crate::description) fn without_positions(mut model: ModelDescription) -> ModelDescription {
     let none = Position::default();
     model.position = none;
@@ -44,7 +44,7 @@ fn the_written_file_has_the_order_of_the_schema_and_no_empty_lists() {
 }
 
 #[test]
-fn what_xml_reserves_is_escaped_and_comes_back() {
+fn characters_that_xml_reserves_are_escaped_and_read_back_equal() {
     let model = ModelDescription {
         model_name: "a<b> & \"c\" 'd'\n\te\r ü €".to_owned(),
         guid: "bell \u{7}".to_owned(),
@@ -259,7 +259,7 @@ fn lists() -> impl Strategy<Value = ModelDescription> {
 
 proptest! {
     #[test]
-    fn whatever_is_written_reads_back_equal(header in header(), lists in lists()) {
+    fn every_written_description_reads_back_equal(header in header(), lists in lists()) {
         let ModelDescription { units, types, log_categories, default_experiment, .. } = lists;
         let ModelDescription { vendor_annotations, variables, structure, .. } = lists;
         let model = ModelDescription {

@@ -117,10 +117,10 @@ fn a_type_that_is_not_real_is_never_continuous() {
     ]));
 }
 
-/// The table of section 2.2.7, walked whole: for each pair the values of `initial` that are accepted (e, a, c, or `-` for none
-/// written), each with the start value that it needs.
+/// The whole table of section 2.2.7: for each pair the accepted values of `initial` (exact, approx, calculated, or
+/// absent), each with whether it needs a start value.
 #[test]
-fn the_table_of_causality_variability_and_initial_is_walked_whole() {
+fn every_entry_of_the_table_of_causality_variability_and_initial_is_checked() {
     let mut walked = String::from("\n");
     for causality in Causality::ALL {
         for variability in Variability::ALL {
@@ -132,7 +132,7 @@ fn the_table_of_causality_variability_and_initial_is_walked_whole() {
     assert_eq!(walked, TABLE);
 }
 
-/// `+` with a start value, `0` without one, `.` never; columns: no initial written, exact, approx, calculated.
+/// `+` with a start value, `0` without one, `.` never; columns: no `initial`, exact, approx, calculated.
 const TABLE: &str = "
 parameter           constant   . . . .
 parameter           fixed      + + . .
