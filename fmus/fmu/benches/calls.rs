@@ -1,4 +1,4 @@
-//! What one get, one set and one doStep of a unit cost, through the function pointers that an importer calls.
+//! Measures one get, one set and one doStep of a unit, through the function pointers that an importer calls.
 #![allow(unsafe_code, reason = "an importer calls C functions")]
 
 use divan::counter::ItemsCount;
@@ -8,7 +8,7 @@ use fmu::{Context, Fault, Fmu, Model, Outcome, Step};
 use serde::{Deserialize, Serialize};
 use std::ffi::{CString, c_char, c_void};
 
-/// Hands 30 numbers on.
+/// Copies 30 numbers to its outputs.
 #[derive(Fmu, Clone, Serialize, Deserialize)]
 struct Relay {
     /// Numbers
@@ -35,9 +35,10 @@ fmu::export!(Relay);
 
 unsafe extern "C" fn silent(_: *mut c_void, _: *const c_char, _: i32, _: *const c_char, _: *const c_char) {}
 
-/// An instance at its first step; it lives as long as the benchmark.
+/// An instance ready for its first step; it is not freed before the end of the benchmark.
 fn instance() -> *mut c_void {
-    // SAFETY: the unit passes no arguments after the format, so that both calls are the same.
+    // SAFETY: the unit passes no arguments after the format, so that both function types have the same calling
+    // convention.
     let logger = unsafe {
         std::mem::transmute::<
             unsafe extern "C" fn(*mut c_void, *const c_char, i32, *const c_char, *const c_char),
@@ -67,7 +68,7 @@ fn instance() -> *mut c_void {
 /// Steps in one measurement.
 const STEPS: u32 = 1000;
 
-/// A set and a get of so many ports around each step.
+/// Measures a set and a get of `ports` ports around each step.
 #[divan::bench(args = [1, 30])]
 fn set_step_get(bencher: Bencher, ports: usize) {
     let component = instance();

@@ -1,10 +1,10 @@
-//! The C interface behind the exported functions: pointers become references and slices here, and nowhere else.
+//! The C interface behind the exported functions: pointers are converted to references and slices here only.
 //!
 //! # Safety
 //!
-//! Every function trusts its caller as the standard lets it: a component is null or came from [`instantiate`] of this
-//! library and was not freed, no other call on it is in progress, and pointers lead to as many values as the count says.
-//! Null pointers, zero counts and handles of saved states are checked.
+//! Every function relies on the caller's obligations in the standard: a component is null or was returned by
+//! [`instantiate`] of this library and not freed, no other call on it is in progress, and pointers point to as many
+//! values as the count gives. Null pointers, zero counts and handles of saved states are checked.
 #![allow(unsafe_code, reason = "pointers of the importer")]
 #![allow(clippy::missing_safety_doc, reason = "one contract for all functions, at the head of the file")]
 
@@ -25,7 +25,7 @@ pub use instantiate::{description, free, instantiate};
 pub use states::{deserialize_state, free_state, get_state, serialize_state, serialized_state_size, set_state};
 pub use statuses::{boolean_status, integer_status, real_status, status, string_status};
 
-/// Makes a call on the instance behind the handle; without an instance there is nobody to tell.
+/// Makes a call on the instance behind the handle; without an instance there is no logger for a message.
 #[inline]
 unsafe fn enter(
     component: Component,
@@ -39,7 +39,7 @@ unsafe fn enter(
     }
 }
 
-/// The values behind a pointer; none if the count is 0, whatever the pointer.
+/// The values at a pointer; none if the count is 0, even if the pointer is null.
 #[inline]
 unsafe fn values<'a, T>(pointer: *const T, count: usize, argument: &'static str) -> Result<&'a [T], Refusal> {
     match (count, pointer.is_null()) {
@@ -50,7 +50,7 @@ unsafe fn values<'a, T>(pointer: *const T, count: usize, argument: &'static str)
     }
 }
 
-/// The places behind a pointer; none if the count is 0, whatever the pointer.
+/// The locations at a pointer; none if the count is 0, even if the pointer is null.
 #[inline]
 unsafe fn places<'a, T>(pointer: *mut T, count: usize) -> Result<&'a mut [MaybeUninit<T>], Refusal> {
     match (count, pointer.is_null()) {
@@ -73,7 +73,7 @@ pub fn version() -> *const c_char {
     c"2.0".as_ptr()
 }
 
-/// `fmi2SetDebugLogging`: no categories at all means every one.
+/// `fmi2SetDebugLogging`: an empty list of categories means all categories.
 pub unsafe fn set_debug_logging(
     component: Component,
     on: c::Boolean,
@@ -106,7 +106,7 @@ pub unsafe fn set_debug_logging(
     unsafe { enter(component, Call::SetDebugLogging, work) }
 }
 
-/// `fmi2SetupExperiment`; the units have no use for a tolerance.
+/// `fmi2SetupExperiment`; the units do not use the tolerance.
 pub unsafe fn set_up_experiment(
     component: Component,
     start_s: f64,
@@ -148,7 +148,7 @@ pub unsafe fn do_step(component: Component, point_s: f64, length_s: f64) -> RawS
     unsafe { enter(component, Call::DoStep, |instance| instance.step(point_s, length_s)) }
 }
 
-/// A call that the capability flags rule out.
+/// A call that the capability flags exclude.
 pub unsafe fn not_supported(component: Component, call: Call, capability: &'static str) -> RawStatus {
     // SAFETY: the contract of this file.
     unsafe { enter(component, call, |_| Err(Refusal::NotSupported { capability })) }

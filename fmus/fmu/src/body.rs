@@ -1,6 +1,7 @@
 //! A unit's memory: reads and writes its scalars through their offsets.
 //!
-//! This is where the export layer trusts the promises of [`Port`](crate::port::Port); everything above it is checked.
+//! This is where the export layer relies on the contract of [`Port`](crate::port::Port); everything above it is
+//! checked.
 #![allow(unsafe_code, reason = "scalars are reached through offsets, one table look-up each")]
 
 use crate::library::{Library, Unit};
@@ -8,9 +9,9 @@ use crate::port::FmiEnum;
 use crate::slots::{IntegerAccess, Slots};
 use crate::visitor::EnumerationAccess;
 
-/// A unit that stays at its place in memory, with the table of its scalars.
+/// A unit at a fixed address in memory, with the table of its scalars.
 pub(crate) struct Body {
-    /// From `Box::into_raw`; given back in `drop`.
+    /// From `Box::into_raw`; freed in `drop`.
     unit: *mut dyn Unit,
     slots: &'static Slots,
 }
@@ -29,16 +30,16 @@ impl Body {
     }
 
     pub(crate) fn unit(&self) -> &dyn Unit {
-        // SAFETY: the pointer owns a live unit; `&self` keeps others from writing.
+        // SAFETY: the pointer owns a live unit; `&self` excludes writers.
         unsafe { &*self.unit }
     }
 
     pub(crate) fn unit_mut(&mut self) -> &mut dyn Unit {
-        // SAFETY: the pointer owns a live unit; `&mut self` keeps others away.
+        // SAFETY: the pointer owns a live unit; `&mut self` excludes other accesses.
         unsafe { &mut *self.unit }
     }
 
-    /// Where a scalar lies.
+    /// The address of a scalar.
     fn place(&self, offset: usize) -> *mut u8 {
         // SAFETY: `Visitor::note` made sure that the offset lies inside the unit's struct.
         unsafe { self.unit.cast::<u8>().add(offset) }
@@ -46,13 +47,13 @@ impl Body {
 
     #[inline]
     pub(crate) fn real(&self, index: usize) -> f64 {
-        // SAFETY: by the promise of `Port` a live `f64` lies at the offset of a Real.
+        // SAFETY: by the contract of `Port` a live `f64` lies at the offset of a Real.
         unsafe { self.place(self.slots.reals[index].offset).cast::<f64>().read() }
     }
 
     #[inline]
     pub(crate) fn set_real(&mut self, index: usize, value: f64) {
-        // SAFETY: as in `real`; `&mut self` keeps others away.
+        // SAFETY: as in `real`; `&mut self` excludes other accesses.
         unsafe { self.place(self.slots.reals[index].offset).cast::<f64>().write(value) }
     }
 
@@ -61,23 +62,23 @@ impl Body {
         let slot = &self.slots.integers[index];
         let place = self.place(slot.offset);
         match &slot.access {
-            // SAFETY: by the promise of `Port` a live `i32` lies at the offset of an Integer.
+            // SAFETY: by the contract of `Port` a live `i32` lies at the offset of an Integer.
             IntegerAccess::Plain { .. } => unsafe { place.cast::<i32>().read() },
-            // SAFETY: by the promise of `Port` a live value of the enumeration lies at its offset.
+            // SAFETY: by the contract of `Port` a live value of the enumeration lies at its offset.
             IntegerAccess::Enumeration(access) => unsafe { (access.get)(place) },
         }
     }
 
-    /// The value was found to be one of the slot's.
+    /// The caller has checked that the value is one of the slot's.
     #[inline]
     pub(crate) fn set_integer(&mut self, index: usize, value: i32) {
         let slot = &self.slots.integers[index];
         let place = self.place(slot.offset);
         match &slot.access {
-            // SAFETY: as in `integer`; `&mut self` keeps others away.
+            // SAFETY: as in `integer`; `&mut self` excludes other accesses.
             IntegerAccess::Plain { .. } => unsafe { place.cast::<i32>().write(value) },
             IntegerAccess::Enumeration(access) => {
-                // SAFETY: as in `integer`; `&mut self` keeps others away.
+                // SAFETY: as in `integer`; `&mut self` excludes other accesses.
                 let written = unsafe { (access.set)(place, value) };
                 assert!(written, "{value} was found to be an item of the enumeration before");
             }
@@ -86,23 +87,23 @@ impl Body {
 
     #[inline]
     pub(crate) fn boolean(&self, index: usize) -> bool {
-        // SAFETY: by the promise of `Port` a live `bool` lies at the offset of a Boolean.
+        // SAFETY: by the contract of `Port` a live `bool` lies at the offset of a Boolean.
         unsafe { self.place(self.slots.booleans[index].offset).cast::<bool>().read() }
     }
 
     #[inline]
     pub(crate) fn set_boolean(&mut self, index: usize, value: bool) {
-        // SAFETY: as in `boolean`; `&mut self` keeps others away.
+        // SAFETY: as in `boolean`; `&mut self` excludes other accesses.
         unsafe { self.place(self.slots.booleans[index].offset).cast::<bool>().write(value) }
     }
 
     pub(crate) fn string(&self, index: usize) -> &str {
-        // SAFETY: by the promise of `Port` a live `String` lies at the offset of a String.
+        // SAFETY: by the contract of `Port` a live `String` lies at the offset of a String.
         unsafe { &*self.place(self.slots.strings[index].offset).cast::<String>() }
     }
 
     pub(crate) fn set_string(&mut self, index: usize, value: &str) {
-        // SAFETY: as in `string`; `&mut self` keeps others away.
+        // SAFETY: as in `string`; `&mut self` excludes other accesses.
         let text = unsafe { &mut *self.place(self.slots.strings[index].offset).cast::<String>() };
         value.clone_into(text);
     }
@@ -110,12 +111,12 @@ impl Body {
 
 impl Drop for Body {
     fn drop(&mut self) {
-        // SAFETY: the pointer came from `Box::into_raw` and is given back once.
+        // SAFETY: the pointer came from `Box::into_raw` and is freed once.
         drop(unsafe { Box::from_raw(self.unit) });
     }
 }
 
-/// How an enumeration is read and written by those who do not know its type.
+/// Functions that read and write an enumeration without knowledge of its type.
 pub(crate) fn enumeration_access<E: FmiEnum>() -> EnumerationAccess {
     unsafe fn get<E: FmiEnum>(place: *const u8) -> i32 {
         // SAFETY: the caller promises a live value of this type.

@@ -1,33 +1,33 @@
-//! What the attributes of a field say about a port.
+//! The declaration of a port by the attributes of a field.
 #![allow(unsafe_code, reason = "Ports is an unsafe trait: its references become offsets")]
 
-/// What a port is to its unit.
+/// Role of a port in its unit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Given from outside, before and during a run.
+    /// Set from outside, before and during a run.
     Input,
-    /// Given from outside before a run, or between steps too if it is tunable.
+    /// Set from outside before a run, and also between steps if it is tunable.
     Parameter {
         /// Whether it may change between steps.
         tunable: bool,
     },
-    /// A state that starts at a value which may be set, and depends on nothing at its own instant.
+    /// A state with a start value that may be set; at its own instant it depends on no input.
     ExactOutput,
     /// An output that the unit computes.
     CalculatedOutput {
-        /// What it depends on at the instant of a communication point.
+        /// Its dependencies at a communication point.
         depends: Vec<String>,
-        /// What its value at the start depends on.
+        /// The dependencies of its initial value.
         depends_at_start: Vec<String>,
     },
-    /// A state of interest to nobody but an observer.
+    /// A state for observation only.
     ExactLocal,
-    /// Computed, of interest to nobody but an observer.
+    /// A computed variable for observation only.
     CalculatedLocal,
 }
 
 impl Role {
-    /// Whether a start value stands in the description, so that it may be set before the run.
+    /// Whether the description has a start value, so that it may be set before the run.
     #[must_use]
     pub fn has_start(&self) -> bool {
         !matches!(self, Self::CalculatedOutput { .. } | Self::CalculatedLocal)
@@ -37,23 +37,23 @@ impl Role {
 /// The attributes of one port; those of a group or array hold for each of its scalars.
 #[derive(Clone, Debug)]
 pub struct Declaration {
-    /// What it is to the unit.
+    /// Its role in the unit.
     pub role: Role,
     /// The doc comment's first paragraph.
     pub description: &'static str,
     /// Unit of measure of a Real.
     pub unit: Option<&'static str>,
-    /// Unit that people prefer to read.
+    /// Display unit of a Real.
     pub display: Option<&'static str>,
     /// Smallest value.
     pub min: Option<f64>,
     /// Largest value.
     pub max: Option<f64>,
-    /// Usual size.
+    /// Nominal value.
     pub nominal: Option<f64>,
 }
 
-/// `#[fmu(experiment(..))]`: what a simulation of the unit alone would use, in seconds.
+/// `#[fmu(experiment(..))]`: the default experiment of the unit, in seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Experiment {
     /// Start time.
@@ -64,13 +64,13 @@ pub struct Experiment {
     pub step: Option<f64>,
 }
 
-/// What `#[derive(Fmu)]` says about a unit's struct.
+/// The declaration of a unit's struct, implemented by `#[derive(Fmu)]`.
 ///
 /// # Safety
 ///
-/// `visit` keeps the promises of [`Port`](crate::port::Port).
+/// `visit` keeps the contract of [`Port`](crate::port::Port).
 pub unsafe trait Ports: Sized {
-    /// `modelName`; the crate's name if none is given.
+    /// `modelName`; the crate's name by default.
     const NAME: Option<&'static str>;
     /// The struct's doc comment, first paragraph.
     const DESCRIPTION: &'static str;
@@ -80,6 +80,6 @@ pub unsafe trait Ports: Sized {
     /// The unit with every port at its start value.
     fn at_start() -> Self;
 
-    /// Shows each scalar to the visitor, in the order of declaration.
+    /// Passes each scalar to the visitor, in the order of declaration.
     fn visit(&mut self, visitor: &mut crate::visitor::Visitor);
 }

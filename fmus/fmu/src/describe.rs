@@ -1,4 +1,4 @@
-//! From the scalars of a unit to its model description, whose fingerprint is the GUID.
+//! Builds the model description of a unit from its scalars; the GUID is a hash of the description.
 
 use crate::declaration::{Experiment, Ports, Role};
 use crate::library::{Package, scalars};
@@ -21,7 +21,7 @@ pub(crate) struct Described {
     pub(crate) xml: String,
     pub(crate) description: ModelDescription,
     pub(crate) slots: Slots,
-    /// By state and number of the call.
+    /// Indexed by state and number of the call.
     pub(crate) permissions: Vec<[Permission; Call::ALL.len() + 1]>,
 }
 
@@ -51,7 +51,7 @@ pub(crate) fn describe<M: Model>(package: &Package) -> Described {
     Described { xml: write::write(&description), description, slots, permissions: permissions() }
 }
 
-/// The state table as an array, for calls that take a few nanoseconds.
+/// The state table as an array, so that a look-up takes few nanoseconds.
 fn permissions() -> Vec<[Permission; Call::ALL.len() + 1]> {
     let row = |state| {
         let mut row = [Permission::No; Call::ALL.len() + 1];
@@ -67,7 +67,7 @@ fn text(text: &str) -> Option<String> {
     (!text.is_empty()).then(|| text.to_owned())
 }
 
-/// What every unit of this export layer can do.
+/// The capabilities of every unit of this export layer.
 fn capabilities(package: &Package) -> CoSimulation {
     CoSimulation {
         model_identifier: package.identifier.to_owned(),
@@ -93,13 +93,13 @@ fn experiment(experiment: Experiment) -> Option<DefaultExperiment> {
     })
 }
 
-/// The first 128 bits of SHA-256, written like a GUID.
+/// The first 128 bits of SHA-256, formatted as a GUID.
 fn fingerprint(text: &str) -> String {
     let digits: String = Sha256::digest(text.as_bytes()).iter().take(16).map(|byte| format!("{byte:02x}")).collect();
     format!("{}-{}-{}-{}-{}", &digits[..8], &digits[8..12], &digits[12..16], &digits[16..20], &digits[20..])
 }
 
-/// The units that Reals use, each with the display units that they ask for.
+/// The units that Reals use, each with their display units.
 fn unit_definitions(scalars: &[Scalar]) -> Vec<UnitDefinition> {
     let mut definitions: Vec<UnitDefinition> = Vec::new();
     for scalar in scalars {
@@ -153,7 +153,7 @@ fn types(scalars: &[Scalar]) -> Vec<SimpleType> {
     types
 }
 
-/// What the standard calls the role of a scalar.
+/// The attributes of the standard for the role of a scalar.
 pub(crate) fn attributes(scalar: &Scalar) -> (Causality, Variability, Option<Initial>) {
     let (causality, initial) = match scalar.declaration.role {
         Role::Input => (Causality::Input, None),
@@ -218,7 +218,7 @@ fn kind(scalar: &Scalar) -> Kind {
     }
 }
 
-/// Outputs with the inputs, initial unknowns with the start values that they depend on.
+/// Outputs with the inputs, and initial unknowns with the start values, that they depend on.
 fn structure(scalars: &[Scalar]) -> ModelStructure {
     let mut structure = ModelStructure::default();
     for (index, scalar) in scalars.iter().enumerate() {
@@ -241,7 +241,7 @@ fn unknown(index: usize, dependencies: Vec<usize>) -> Unknown {
     Unknown { index, dependencies: Some(dependencies), ..Unknown::default() }
 }
 
-/// The scalars among the knowns that are named, alone or by their group.
+/// The known scalars that are named, singly or by their group.
 fn dependencies(scalars: &[Scalar], of: &Scalar, names: &[String], known: impl Fn(&Scalar) -> bool) -> Vec<usize> {
     let is_named = |scalar: &Scalar, name: &str| {
         scalar.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))

@@ -3,7 +3,7 @@
 /// Exports a unit: all functions of FMI 2.0 for co-simulation, its description for the packager, and its tests.
 ///
 /// Write it once in a library, for the struct that derives [`Fmu`](crate::Fmu) and implements
-/// [`Model`](crate::Model). The tests hold the declared dependencies, the rules of the standard and the promises of
+/// [`Model`](crate::Model). The tests check the declared dependencies, the rules of the standard and the contract of
 /// [`Model::init`](crate::Model::init).
 #[macro_export]
 macro_rules! export {
@@ -63,12 +63,12 @@ macro_rules! export {
     };
 }
 
-/// The exported functions: all those above, which take a component and answer a status, and the five that do not.
+/// The exported functions: all those above, which take a component and return a status, and the five that do not.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! export_functions {
     ($library:ident $($name:ident($($argument:ident: $type:ty),*) = $function:ident($($passed:expr),*);)*) => {
-        /// The functions of FMI 2.0 for co-simulation; `fmu::abi` says what they ask of their callers.
+        /// The functions of FMI 2.0 for co-simulation; `fmu::abi` documents the obligations of their callers.
         #[allow(missing_docs, non_snake_case, clippy::missing_safety_doc, reason = "all three are the standard's")]
         pub mod exported {
             use $crate::abi;
@@ -113,7 +113,7 @@ macro_rules! export_functions {
             /// The library's `modelDescription.xml`, for the packager.
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn lockstep_fmu_description(length: *mut usize) -> *const u8 {
-                // SAFETY: the caller gives null or a place for the length.
+                // SAFETY: the caller passes null or a pointer that is valid for writing the length.
                 unsafe { abi::description(&super::$library, length) }
             }
         }

@@ -1,4 +1,4 @@
-//! One instance: where it stands in the state machine, and the calls that move it.
+//! One instance: its state in the state machine, and the calls that change it.
 
 use crate::body::Body;
 use crate::library::Library;
@@ -13,7 +13,8 @@ use std::any::Any;
 use std::ffi::CString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Part of the time, and of the step, by which a step may miss the end of the one before it.
+/// Tolerances, relative to the time and to the step length, for the distance of a step's start from the end of the
+/// previous step.
 const TIME_TOLERANCE: f64 = 1e-9;
 const STEP_TOLERANCE: f64 = 1e-6;
 
@@ -23,24 +24,24 @@ pub(crate) struct Instance {
     pub(crate) log: Log,
     pub(crate) body: Body,
     pub(crate) progress: Progress,
-    /// After a panic nothing the unit holds can be trusted.
+    /// Set after a panic, when the state of the unit may be inconsistent.
     poisoned: bool,
     #[expect(clippy::vec_box, reason = "the address of a saved state is its handle")]
     pub(crate) saved: Vec<Box<Saved>>,
-    /// The C text of each String, valid until it is asked for again.
+    /// The C text of each String, valid until the next get of the same String.
     pub(crate) texts: Vec<CString>,
 }
 
-/// What a saved state holds beside the unit.
+/// The part of a saved state outside the unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Progress {
     pub(crate) state: State,
     /// Start and stop time, once the experiment is set up.
     pub(crate) experiment: Option<(f64, Option<f64>)>,
     pub(crate) now: Time,
-    /// Whether the unit has come to its end.
+    /// Whether the unit has terminated.
     pub(crate) ended: bool,
-    /// Whether something was set in initialization mode that the outputs do not show yet.
+    /// Whether a value was set in initialization mode that the outputs do not reflect yet.
     pub(crate) stale: bool,
 }
 
@@ -55,7 +56,7 @@ impl Instance {
         Self { library, log, body, progress: Progress::AT_START, poisoned: false, saved: Vec::new(), texts }
     }
 
-    /// Makes one call: asks the state table, keeps panics inside, logs what went wrong, moves on to the next state.
+    /// Makes one call: checks the state table, catches panics, logs errors, and enters the next state.
     pub(crate) fn call(&mut self, call: Call, work: impl FnOnce(&mut Self) -> Result<Status, Refusal>) -> Status {
         let permission = self.permission(call);
         let answer = match permission {
@@ -115,7 +116,7 @@ impl Instance {
         if self.progress.experiment.is_some() {
             return Err(Refusal::SetUpBefore);
         }
-        // A stop time that is NaN fails too.
+        // The comparison also rejects a stop time that is NaN.
         if !start_s.is_finite() || !stop_s.is_none_or(|stop_s| stop_s >= start_s) {
             return Err(Refusal::Experiment { start_s, stop_s });
         }
@@ -135,7 +136,7 @@ impl Instance {
         Ok(Status::Warning)
     }
 
-    /// Brings the outputs up to date with what was set in initialization mode.
+    /// Updates the outputs after a set call in initialization mode.
     #[inline]
     pub(crate) fn refresh(&mut self) -> Result<Status, Refusal> {
         if self.progress.stale { self.initialize() } else { Ok(Status::Ok) }
@@ -144,7 +145,7 @@ impl Instance {
     fn initialize(&mut self) -> Result<Status, Refusal> {
         let mut context = self.context();
         let started = self.body.unit_mut().init(&mut context);
-        let status = self.tell(context);
+        let status = self.send_messages(context);
         started.map_err(|fault| Refusal::Start { fault })?;
         self.progress.stale = false;
         Ok(status)
@@ -161,7 +162,7 @@ impl Instance {
         self.check_stop(&step)?;
         let mut context = self.context();
         let outcome = self.body.unit_mut().step(step, &mut context);
-        let status = self.tell(context);
+        let status = self.send_messages(context);
         let (start_s, end_s) = (step.start_s(), step.end_s());
         match outcome {
             Ok(Outcome::Done) => {
@@ -185,7 +186,7 @@ impl Instance {
         }
     }
 
-    /// Where the step begins: where the unit stands, if the importer means that point.
+    /// The start of the step: the unit's current time, if the importer's point agrees with it within the tolerance.
     fn start_of_step(&self, point_s: f64, length_s: f64) -> Result<Time, Refusal> {
         let expected_s = self.progress.now.as_s();
         let tolerance_s = TIME_TOLERANCE * expected_s.abs() + STEP_TOLERANCE * length_s;
@@ -195,7 +196,7 @@ impl Instance {
         }
         Ok(match self.progress.now {
             Time::Nanoseconds(_) => self.progress.now,
-            // The importer counts its steps, a sum of ours would drift.
+            // The importer computes its points from a count of steps; a sum of lengths here would drift from them.
             Time::Seconds(_) => Time::from_s(point_s),
         })
     }
@@ -220,8 +221,8 @@ impl Instance {
         Context { start_s, events_wanted: self.log.wants_events(), ..Context::default() }
     }
 
-    /// Sends what the model had to say.
-    fn tell(&self, context: Context) -> Status {
+    /// Sends the messages of the model to the importer.
+    fn send_messages(&self, context: Context) -> Status {
         for event in &context.events {
             self.log.send(Status::Ok, event);
         }
@@ -232,7 +233,7 @@ impl Instance {
     }
 }
 
-/// The words of a panic.
+/// The message of a panic.
 pub(crate) fn panic_text(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied().or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     text.unwrap_or("no reason given").to_owned()

@@ -1,8 +1,8 @@
 //! Write a struct, get an FMI 2.0 co-simulation FMU.
 //!
-//! The walk of a number: an importer's `fmi2SetReal` comes through [`export!`] and [`abi`] to the slots of an instance,
-//! the author's [`Model::step`] turns inputs into outputs, `fmi2GetReal` takes them away. Next stop: the model itself, in
-//! crate `models`.
+//! The path of a value: an importer's `fmi2SetReal` passes through [`export!`] and [`abi`] to the slots of an instance,
+//! the author's [`Model::step`] computes outputs from inputs, `fmi2GetReal` reads them. Next on the path: the model
+//! itself, in crate `models`.
 #![doc = include_str!("../README.md")]
 
 extern crate self as fmu;

@@ -1,4 +1,4 @@
-//! One unit's library: what is known of it before any instance lives.
+//! One unit's library: its properties that do not need an instance.
 
 use crate::describe::{self, Described};
 use crate::model::{Context, Fault, Model, Outcome};
@@ -7,7 +7,7 @@ use crate::visitor::{Scalar, Visitor};
 use std::any::Any;
 use std::sync::OnceLock;
 
-/// What cargo knows of the unit's crate; [`export!`](crate::export) fills it in.
+/// Cargo metadata of the unit's crate; [`export!`](crate::export) fills it in.
 #[derive(Clone, Copy, Debug)]
 pub struct Package {
     /// Name of the library file without extension.
@@ -20,7 +20,7 @@ pub struct Package {
     pub license: &'static str,
 }
 
-/// A unit's library: how to make a unit, and its description, made when first asked for.
+/// A unit's library: how to create a unit, and its description, built on first use.
 #[derive(Debug)]
 pub struct Library {
     package: Package,
@@ -58,12 +58,12 @@ impl Library {
     }
 }
 
-/// A model whose type is forgotten, so that the C interface is compiled once and not for each unit.
+/// A model behind a type-erased interface, so that the C interface is compiled once and not for each unit.
 pub(crate) trait Unit: Any + Send {
     fn init(&mut self, context: &mut Context) -> Result<(), Fault>;
     fn step(&mut self, step: Step, context: &mut Context) -> Result<Outcome, Fault>;
     fn duplicate(&self) -> Box<dyn Unit>;
-    /// Takes over the values of another unit of the same type.
+    /// Copies the values of another unit of the same type.
     fn copy_from(&mut self, other: &dyn Unit);
     fn to_bytes(&self) -> Result<Vec<u8>, postcard::Error>;
     /// A unit of the same type with these values.

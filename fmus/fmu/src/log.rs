@@ -1,4 +1,4 @@
-//! Messages to the importer: which categories go out, and the call of its logger.
+//! Messages to the importer: the enabled categories, and the call of its logger.
 #![allow(unsafe_code, reason = "the importer's logger is a C function")]
 
 use fmi2::c::{CallbackLogger, ComponentEnvironment, Status};
@@ -8,22 +8,22 @@ use std::ffi::{CStr, CString};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Category {
-    /// What the unit tells about its events; off until it is asked for.
+    /// Messages of the unit about its events; off by default.
     Events = 1,
-    /// Why a call answered `fmi2Warning`; on until it is turned off.
+    /// Why a call returned `fmi2Warning`; on by default.
     StatusWarning = 2,
-    /// Why a call answered `fmi2Discard`; always on.
+    /// Why a call returned `fmi2Discard`; always on.
     StatusDiscard = 4,
-    /// Why a call answered `fmi2Error`; always on.
+    /// Why a call returned `fmi2Error`; always on.
     StatusError = 8,
-    /// Stands for all others in `fmi2SetDebugLogging`.
+    /// Represents all others in `fmi2SetDebugLogging`.
     All = 15,
 }
 
 impl Category {
     pub(crate) const ALL: [Self; 5] =
         [Self::Events, Self::StatusWarning, Self::StatusDiscard, Self::StatusError, Self::All];
-    /// Those that no one can turn off: a call that fails says why.
+    /// The categories that cannot be turned off, because a failed call must log its reason.
     const ALWAYS: u8 = Self::StatusDiscard as u8 | Self::StatusError as u8;
 
     pub(crate) fn name(self) -> &'static str {
@@ -57,12 +57,12 @@ impl Category {
     }
 }
 
-/// Where an instance sends its messages.
+/// The destination of an instance's messages.
 #[derive(Debug)]
 pub(crate) struct Log {
     logger: CallbackLogger,
     environment: ComponentEnvironment,
-    /// The instance's own copy: importers drop theirs after `fmi2Instantiate`.
+    /// A copy of the instance name, because importers may free theirs after `fmi2Instantiate`.
     instance: CString,
     wanted: u8,
 }
@@ -70,7 +70,7 @@ pub(crate) struct Log {
 impl Log {
     /// # Safety
     ///
-    /// The logger is the importer's and may be called with this environment as long as the log lives.
+    /// The logger may be called with this environment as long as the log lives.
     pub(crate) unsafe fn new(logger: CallbackLogger, environment: ComponentEnvironment, instance: CString) -> Self {
         Self { logger, environment, instance, wanted: Category::ALWAYS | Category::StatusWarning as u8 }
     }
@@ -79,24 +79,24 @@ impl Log {
         self.wanted & Category::Events as u8 != 0
     }
 
-    /// Turns all categories on or off, as far as they can be.
+    /// Turns all categories on, or off except those that are always on.
     pub(crate) fn want_all(&mut self, on: bool) {
         self.want(Category::All, on);
     }
 
-    /// Turns a category on or off, as far as it can be.
+    /// Turns a category on, or off unless it is always on.
     pub(crate) fn want(&mut self, category: Category, on: bool) {
         let others = self.wanted & !(category as u8);
         self.wanted = Category::ALWAYS | if on { others | category as u8 } else { others };
     }
 
-    /// Sends a message under the category of its status, if that is wanted.
+    /// Sends a message in the category of its status, if that is enabled.
     pub(crate) fn send(&self, status: Status, message: &str) {
         let category = Category::of(status);
         if self.wanted & category as u8 == 0 {
             return;
         }
-        // The logger takes a printf format in which `#` begins a variable reference; we send ready text.
+        // The logger takes a printf format in which `#` begins a variable reference; the message is plain text.
         let text = message.replace('\0', "").replace('%', "%%").replace('#', "##");
         let Ok(text) = CString::new(text) else { unreachable!("all zero bytes were taken out") };
         // SAFETY: promised at `new`; the strings live until the logger returns, and the format asks for no arguments.

@@ -1,4 +1,4 @@
-//! What an author writes: how a unit starts and how it steps.
+//! The trait that a unit's author implements: how the unit starts and how it steps.
 
 use crate::declaration::Ports;
 use crate::step::{Samples, Step, due};
@@ -10,34 +10,34 @@ use std::fmt;
 pub trait Model: Ports + Clone + Serialize + DeserializeOwned + Send + 'static {
     /// Computes hidden state and all calculated outputs from parameters, inputs and the start values of exact ports.
     ///
-    /// It runs in initialization mode whenever an output is read after something was set, and once at the end of it: so
-    /// it must not build on what an earlier run of it left behind.
+    /// It runs in initialization mode whenever an output is read after a value was set, and once at the end of that
+    /// mode. Therefore its result must not depend on an earlier call of it.
     ///
     /// # Errors
     ///
-    /// A [`Fault`] says why the unit cannot start with these values.
+    /// A [`Fault`] with the reason why the unit cannot start with these values.
     fn init(&mut self, context: &mut Context) -> Result<(), Fault>;
 
-    /// Brings states and outputs from the start of the step to its end.
+    /// Advances states and outputs from the start of the step to its end.
     ///
     /// # Errors
     ///
-    /// A [`Fault`] says why the unit cannot go on; it is over for this instance.
+    /// A [`Fault`] with the reason why the unit cannot continue; the instance makes no further step.
     fn step(&mut self, step: Step, context: &mut Context) -> Result<Outcome, Fault>;
 }
 
-/// How a step went.
+/// Result of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     /// The end of the step is reached.
     Done,
-    /// Only a part of the step could be made, up to this time in seconds; the states are those of this time.
+    /// Only a part of the step was made, up to this time in seconds; the states are those of this time.
     AcceptedUntil(f64),
-    /// The unit has come to its end at this time in seconds.
+    /// The unit terminated at this time in seconds.
     Terminated(f64),
 }
 
-/// Why a unit cannot start or go on, in words for the user.
+/// Why a unit cannot start or continue, as a message for the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault(String);
 
@@ -57,7 +57,7 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
-/// What surrounds a call of the model: the start of the run, and a way to the user's log.
+/// The context of a call of the model: the start of the run, and the user's log.
 #[derive(Debug, Default)]
 pub struct Context {
     pub(crate) start_s: f64,
@@ -73,18 +73,18 @@ impl Context {
         self.start_s
     }
 
-    /// The numbers of the samples that fall due up to the start of the run, number 0 always among them.
+    /// The numbers of the samples that are due up to the start of the run, always including number 0.
     #[must_use]
     pub fn samples(&self, period_s: f64) -> Samples {
         0..due(self.start_s, period_s)
     }
 
-    /// Warns the user; the call in progress answers `fmi2Warning`.
+    /// Warns the user; the call in progress returns `fmi2Warning`.
     pub fn warn(&mut self, message: impl Into<String>) {
         self.warnings.push(message.into());
     }
 
-    /// Tells the user of an event, if event messages are wanted: the text is made only then.
+    /// Logs an event if event messages are enabled; only then the text is formatted.
     pub fn event(&mut self, message: impl FnOnce() -> String) {
         if self.events_wanted {
             self.events.push(message());

@@ -1,4 +1,4 @@
-//! What a type must say to be a port: its scalars, in order, and where each of them lies.
+//! The traits of types that can be ports: their scalars, in order, and the location of each.
 #![allow(unsafe_code, reason = "Port is an unsafe trait: its references become offsets")]
 
 use crate::declaration::Declaration;
@@ -10,37 +10,37 @@ use crate::visitor::Visitor;
 ///
 /// # Safety
 ///
-/// `visit` hands the visitor references to fields that lie inside `self` and keep their place and type for the whole life
-/// of the value, whatever it holds: no payload of an enum, nothing behind a pointer. It names the same fields in the
-/// same order for every value of the type.
+/// `visit` passes the visitor references to fields that are inside `self` and keep their offset and type for the whole
+/// life of the value, whatever its content: no payload of an enum, nothing behind a pointer. It visits the same fields
+/// in the same order for every value of the type.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot be a port",
     label = "no port",
     note = "ports are f64, i32, bool, String, Vector2<f64>, Vector3<f64>, Quaternion<f64>, arrays of ports, enums with `derive(FmiEnum)` and structs with `derive(Group)`"
 )]
 pub unsafe trait Port: Sized {
-    /// How a start value is written in the attribute.
+    /// Type of a start value in the attribute.
     type Start;
-    /// How `min`, `max` and `nominal` are written; [`NoBound`] for types without them.
+    /// Type of `min`, `max` and `nominal` in the attribute; [`NoBound`] for types without them.
     type Bound: Into<f64>;
-    /// Whether the port needs a `unit`: it has Reals, and they do not say their own.
+    /// Whether the port needs a `unit`: it has Reals without a unit of their own.
     const TAKES_UNIT: bool;
-    /// Whether the fields inside say themselves what they are to the unit (input, output and so on).
+    /// Whether the fields inside declare their own roles (input, output and so on).
     const OWN_ROLES: bool = false;
-    /// Whether the type says where its ports start, so that the field need not.
+    /// Whether the type has its own start values, so that the field needs none.
     const STARTS_ITSELF: bool = false;
 
-    /// The port at a start value.
+    /// The port with a start value.
     fn from_start(start: Self::Start) -> Self;
 
-    /// The port where no start value is written.
+    /// The port without a start value.
     fn unset() -> Self;
 
-    /// Shows each scalar of the port to the visitor.
+    /// Passes each scalar of the port to the visitor.
     fn visit(&mut self, declaration: &Declaration, visitor: &mut Visitor);
 }
 
-/// The bound of a type that has none: it has no value.
+/// The bound of a type without bounds: an enum without values.
 #[derive(Clone, Copy, Debug)]
 pub enum NoBound {}
 

@@ -6,7 +6,7 @@ use crate::port::{NoBound, Port};
 use crate::visitor::Visitor;
 use nalgebra::{Quaternion, Vector2, Vector3};
 
-// SAFETY: a scalar shows itself.
+// SAFETY: a scalar passes itself.
 unsafe impl Port for f64 {
     type Start = f64;
     type Bound = f64;
@@ -25,7 +25,7 @@ unsafe impl Port for f64 {
     }
 }
 
-// SAFETY: a scalar shows itself.
+// SAFETY: a scalar passes itself.
 unsafe impl Port for i32 {
     type Start = i32;
     type Bound = i32;
@@ -44,7 +44,7 @@ unsafe impl Port for i32 {
     }
 }
 
-// SAFETY: a scalar shows itself.
+// SAFETY: a scalar passes itself.
 unsafe impl Port for bool {
     type Start = bool;
     type Bound = NoBound;
@@ -63,7 +63,7 @@ unsafe impl Port for bool {
     }
 }
 
-// SAFETY: a scalar shows itself; the text behind it is reached through the `String` only.
+// SAFETY: a scalar passes itself; its text is accessed through the `String` only.
 unsafe impl Port for String {
     type Start = &'static str;
     type Bound = NoBound;
@@ -82,7 +82,7 @@ unsafe impl Port for String {
     }
 }
 
-// SAFETY: the elements lie inside the array, in order.
+// SAFETY: the elements are inside the array, in order.
 unsafe impl<T: Port, const N: usize> Port for [T; N] {
     type Start = [T::Start; N];
     type Bound = T::Bound;
@@ -105,7 +105,7 @@ unsafe impl<T: Port, const N: usize> Port for [T; N] {
     }
 }
 
-// SAFETY: the components lie inside the vector, in order.
+// SAFETY: the components are inside the vector, in order.
 unsafe impl Port for Vector2<f64> {
     type Start = [f64; 2];
     type Bound = f64;
@@ -126,7 +126,7 @@ unsafe impl Port for Vector2<f64> {
     }
 }
 
-// SAFETY: the components lie inside the vector, in order.
+// SAFETY: the components are inside the vector, in order.
 unsafe impl Port for Vector3<f64> {
     type Start = [f64; 3];
     type Bound = f64;
@@ -147,8 +147,8 @@ unsafe impl Port for Vector3<f64> {
     }
 }
 
-/// Shown and started as w, x, y, z; at rest it is the identity.
-// SAFETY: the four numbers lie inside the quaternion.
+/// Scalars and start value are in the order w, x, y, z; the default is the identity.
+// SAFETY: the four numbers are inside the quaternion.
 unsafe impl Port for Quaternion<f64> {
     type Start = [f64; 4];
     type Bound = f64;

@@ -1,11 +1,11 @@
-//! Why a call did not do what it was asked to.
+//! The reasons why a call is refused.
 
 use crate::model::Fault;
 use fmi2::c::Status;
 use fmi2::calls::{Call, State};
 use std::fmt;
 
-/// Why a call answered `fmi2Error` or `fmi2Discard`.
+/// Why a call returned `fmi2Error` or `fmi2Discard`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Refusal {
     /// The state table forbids the call.
@@ -14,15 +14,15 @@ pub(crate) enum Refusal {
     Poisoned,
     /// The unit panicked in this call.
     Panic { text: String },
-    /// `fmi2SetupExperiment` came twice.
+    /// `fmi2SetupExperiment` was called twice.
     SetUpBefore,
-    /// The unit cannot do this, and says so in its capability flags.
+    /// The unit does not support the call, according to its capability flags.
     NotSupported { capability: &'static str },
-    /// A pointer that must lead somewhere is null.
+    /// A mandatory pointer is null.
     Null { argument: &'static str },
     /// No port of the base type has the value reference.
     NoSuchPort { base_type: &'static str, reference: u32, count: usize },
-    /// The port may not be set now, or never.
+    /// The port may not be set in this state, or never.
     NotSettable { port: String, state: State },
     /// NaN or an infinity for a port.
     NotFinite { port: String, value: f64 },
@@ -32,9 +32,9 @@ pub(crate) enum Refusal {
     NoSuchItem { port: String, value: i32 },
     /// A string that is not UTF-8.
     NotUtf8 { port: String },
-    /// A time of the experiment that is not a number, or a stop before the start.
+    /// A time of the experiment that is not finite, or a stop before the start.
     Experiment { start_s: f64, stop_s: Option<f64> },
-    /// A step that has no positive length.
+    /// A step without a positive length.
     StepLength { length_s: f64 },
     /// A step that does not begin where the last one ended.
     CommunicationPoint { expected_s: f64, found_s: f64 },
@@ -44,13 +44,13 @@ pub(crate) enum Refusal {
     Start { fault: Fault },
     /// The model could not step.
     Step { start_s: f64, length_s: f64, fault: Fault },
-    /// The model says that it came to a time outside its step.
+    /// The model reported a time outside its step.
     OutsideStep { start_s: f64, end_s: f64, found_s: f64 },
     /// The model made a part of the step.
     Discarded { start_s: f64, end_s: f64, until_s: f64 },
-    /// The model has come to its end.
+    /// The model has terminated.
     Ended { at_s: f64 },
-    /// The status asked for is of another type, or belongs to asynchronous steps.
+    /// The requested status is of another type, or belongs to asynchronous steps.
     NoSuchStatus { kind: i32 },
     /// The handle is not of a state that this instance saved.
     UnknownState,
@@ -63,7 +63,7 @@ pub(crate) enum Refusal {
 }
 
 impl Refusal {
-    /// What the call answers.
+    /// The status that the call returns.
     pub(crate) fn status(&self) -> Status {
         match self {
             Self::Discarded { .. } | Self::Ended { .. } | Self::NoSuchStatus { .. } => Status::Discard,
@@ -119,7 +119,7 @@ impl fmt::Display for Refusal {
 }
 
 impl Refusal {
-    /// Those that are about time and the model.
+    /// Messages about time and the model.
     fn time(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Experiment { start_s, stop_s: Some(stop_s) } => {

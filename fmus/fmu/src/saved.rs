@@ -1,4 +1,4 @@
-//! Saved states: kept in memory behind handles, or written as bytes that only the same unit reads.
+//! Saved states: kept in memory behind handles, or serialized to bytes that only the same unit reads.
 
 use crate::instance::{Instance, Progress};
 use crate::library::Unit;
@@ -9,7 +9,7 @@ use fmi2::calls::State;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// The first bytes of every written state; the last counts the versions of this format.
+/// The first bytes of every serialized state; the last one is the version of this format.
 const MAGIC: &[u8; 8] = b"LOCKSTP\x01";
 
 /// A saved state.
@@ -18,12 +18,12 @@ pub(crate) struct Saved {
     progress: Progress,
 }
 
-/// What stands between the magic and the payload.
+/// The header between the magic and the payload.
 #[derive(Serialize, Deserialize, PartialEq)]
 struct Header {
-    /// The unit's interface.
+    /// Identifies the unit's interface.
     guid: String,
-    /// Size of the unit's struct: another build may hold other hidden state.
+    /// Size of the unit's struct: another build may have another hidden state.
     size: u64,
     /// SHA-256 of the payload.
     checksum: [u8; 32],
@@ -43,7 +43,7 @@ struct Payload {
 }
 
 impl Instance {
-    /// Keeps the present state; in place of the one with this index if there is one. Returns its index.
+    /// Keeps the present state, replacing the one at index `into` if there is one. Returns its index.
     pub(crate) fn save(&mut self, into: Option<usize>) -> usize {
         let progress = self.progress;
         if let Some(saved) = into.and_then(|index| self.saved.get_mut(index)) {
@@ -56,7 +56,7 @@ impl Instance {
         })
     }
 
-    /// Goes back to a saved state.
+    /// Restores a saved state.
     pub(crate) fn restore(&mut self, index: usize) -> Result<Status, Refusal> {
         let saved = &self.saved[index];
         self.body.unit_mut().copy_from(&*saved.unit);
@@ -64,7 +64,7 @@ impl Instance {
         Ok(Status::Ok)
     }
 
-    /// Writes a saved state.
+    /// Serializes a saved state.
     pub(crate) fn to_bytes(&self, index: usize) -> Result<Vec<u8>, Refusal> {
         let Saved { unit, progress } = &*self.saved[index];
         let broken = |error: postcard::Error| Refusal::Serialize { cause: error.to_string() };
@@ -82,7 +82,7 @@ impl Instance {
         Ok([MAGIC, &*header, &*payload].concat())
     }
 
-    /// Reads a written state and keeps it; in place of the one with this index if there is one. Returns its index.
+    /// Reads a serialized state and keeps it, replacing the one at index `into` if there is one. Returns its index.
     pub(crate) fn read_bytes(&mut self, bytes: &[u8], into: Option<usize>) -> Result<usize, Refusal> {
         let refuse = |cause: &str| Refusal::Deserialize { cause: cause.to_owned() };
         let broken = |error: postcard::Error| refuse(&error.to_string());
@@ -100,7 +100,7 @@ impl Instance {
         }
         let payload: Payload = postcard::from_bytes(payload).map_err(broken)?;
         let state = State::ALL.get(usize::from(payload.state)).copied();
-        // An instance without a step in progress has no other.
+        // Without a step in progress an instance has no other states.
         let state =
             state.filter(|state| !matches!(state, State::NotInstantiated | State::StepInProgress | State::Fatal));
         let progress = Progress {

@@ -1,4 +1,4 @@
-//! The table behind value references: for each base type, where the scalars lie and when they may be set.
+//! The table behind value references: for each base type, the offsets of the scalars and when they may be set.
 
 use crate::describe::attributes;
 use crate::visitor::{EnumerationAccess, Scalar, ScalarKind};
@@ -27,7 +27,7 @@ pub(crate) enum Settable {
 }
 
 impl Settable {
-    /// What the table of the standard says, in a form that a call needs no time for.
+    /// The table of the standard, in a form that is fast to evaluate in a call.
     fn of(scalar: &Scalar) -> Self {
         let (causality, variability, initial) = attributes(scalar);
         let may_be_set = |state| settable(state, causality, variability, initial) == Permission::Always;
@@ -40,7 +40,7 @@ impl Settable {
         }
     }
 
-    /// Whether it may be set in a state in which set calls are permitted at all.
+    /// Whether it may be set in a state in which set calls are permitted.
     #[inline]
     pub(crate) fn in_state(self, state: State) -> bool {
         match self {
@@ -59,7 +59,7 @@ pub(crate) struct Slot {
     pub(crate) settable: Settable,
 }
 
-/// A Real with its bounds; without bounds those of the finite numbers.
+/// A Real with its bounds; by default those of the finite numbers.
 #[derive(Debug)]
 pub(crate) struct RealSlot {
     pub(crate) offset: usize,
@@ -78,7 +78,7 @@ pub(crate) struct IntegerSlot {
     pub(crate) name: String,
 }
 
-/// What lies in an [`IntegerSlot`].
+/// The type of the scalar of an [`IntegerSlot`].
 #[derive(Debug)]
 pub(crate) enum IntegerAccess {
     Plain { min: i32, max: i32 },

@@ -1,18 +1,18 @@
-//! Time as a unit sees it: snapped to whole nanoseconds, cut into equal parts, counted in samples.
+//! Time of a unit: rounded to whole nanoseconds, divided into equal parts, counted in samples.
 
 use std::ops::Range;
 
-/// Numbers of samples that fall due.
+/// Numbers of samples that are due.
 pub type Samples = Range<u64>;
 
-/// Distance to a whole nanosecond, in nanoseconds, below which a time counts as that nanosecond.
+/// Distance to a whole nanosecond, in nanoseconds, up to which a time is rounded to it.
 const SNAP_NS: f64 = 1e-3;
-/// Part of a period or of an inner step that counts as rounding.
+/// Fraction of a period or of an inner step that is treated as a rounding error.
 const ROUNDING: f64 = 1e-9;
 /// Up to here every whole number of nanoseconds is a distinct `f64`.
 const LARGEST_NS: f64 = 9.0e15;
 
-/// A time or a length of time: a whole number of nanoseconds where it is one, else seconds as given.
+/// A time or a duration: a whole number of nanoseconds if it is close to one, else the given seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Time {
     Nanoseconds(i64),
@@ -23,7 +23,8 @@ impl Time {
     /// The nearest nanosecond where that is within 1e-3 ns, so that `(n+1)·h - n·h` of any importer gives equal bits.
     pub(crate) fn from_s(seconds: f64) -> Self {
         let exact = seconds * 1e9;
-        // A cast is many times as fast as `round`, which is a call on plain x86-64; beyond the range it saturates.
+        // A cast is many times faster than `round`, which is a function call on baseline x86-64; out of range it
+        // saturates.
         #[expect(clippy::cast_possible_truncation, reason = "what does not fit fails the comparison")]
         let nearest = (exact + 0.5_f64.copysign(exact)) as i64;
         #[expect(clippy::cast_precision_loss, reason = "below LARGEST_NS the number is exact")]
@@ -42,7 +43,7 @@ impl Time {
         }
     }
 
-    /// The time that lies so much later; without rounding where both are whole nanoseconds.
+    /// The sum; exact where both are whole nanoseconds.
     pub(crate) fn plus(self, length: Self) -> Self {
         match (self, length) {
             (Self::Nanoseconds(start), Self::Nanoseconds(length)) => Self::Nanoseconds(start.saturating_add(length)),
@@ -62,7 +63,7 @@ pub struct Step {
 /// Equal parts of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parts {
-    /// How many, at least one.
+    /// Number of parts, at least one.
     pub count: u32,
     /// Length of each, in seconds.
     pub length_s: f64,
@@ -73,25 +74,25 @@ impl Step {
         Self { start_s: start.as_s(), length_s: length.as_s(), end_s: start.plus(length).as_s() }
     }
 
-    /// Where the step begins, in seconds.
+    /// Start of the step, in seconds.
     #[must_use]
     pub fn start_s(&self) -> f64 {
         self.start_s
     }
 
-    /// Where it ends, in seconds.
+    /// End of the step, in seconds.
     #[must_use]
     pub fn end_s(&self) -> f64 {
         self.end_s
     }
 
-    /// How long it is, in seconds.
+    /// Length of the step, in seconds.
     #[must_use]
     pub fn length_s(&self) -> f64 {
         self.length_s
     }
 
-    /// The step in the fewest equal parts that are not longer than `longest_s`.
+    /// Divides the step into the fewest equal parts that are not longer than `longest_s`.
     ///
     /// # Panics
     ///
@@ -106,7 +107,7 @@ impl Step {
         Parts { count: whole, length_s: self.length_s / count }
     }
 
-    /// The numbers of the samples that fall due in this step: after its start, up to and with its end.
+    /// The numbers of the samples that are due in this step: after its start, up to and including its end.
     ///
     /// Sample n holds on [n·period, (n+1)·period).
     ///
@@ -119,7 +120,7 @@ impl Step {
     }
 }
 
-/// How many samples are due at this time: numbers 0 to floor(time / period), none before time 0.
+/// The number of samples that are due up to this time: numbers 0 to floor(time / period), none before time 0.
 #[must_use]
 pub(crate) fn due(time_s: f64, period_s: f64) -> u64 {
     assert!(period_s > 0.0, "the period of samples must be positive, not {period_s} s");
@@ -149,12 +150,12 @@ mod tests {
     }
 
     #[test]
-    fn a_sixtieth_of_a_second_is_left_as_it_is() {
+    fn a_sixtieth_of_a_second_is_not_rounded_to_nanoseconds() {
         assert_eq!(step(0.0, 1.0 / 60.0).length_s().to_bits(), (1.0_f64 / 60.0).to_bits());
     }
 
     #[test]
-    fn parts_are_as_few_as_the_longest_one_allows() {
+    fn a_step_has_the_fewest_parts_that_the_longest_length_allows() {
         assert_eq!(step(0.0, 0.01).parts(0.0025), Parts { count: 4, length_s: 0.0025 });
         assert_eq!(step(0.0, 0.011).parts(0.0025).count, 5);
         assert_eq!(step(0.0, 0.001).parts(0.0025), Parts { count: 1, length_s: 0.001 });
@@ -162,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn every_sample_falls_due_in_exactly_one_step() {
+    fn every_sample_is_due_in_exactly_one_step() {
         for (h, period) in [(0.005, 0.01), (0.01, 0.01), (0.03, 0.01), (0.007, 0.01), (1.0 / 60.0, 0.01)] {
             let mut next = 1;
             for n in 0..10_000 {
@@ -174,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sample_is_due_at_its_instant_whatever_the_rounding() {
+    fn a_sample_is_due_at_its_instant_in_spite_of_rounding() {
         assert_eq!(due(0.0, 0.1), 1, "sample 0");
         assert_eq!(due(0.1 + 0.2, 0.1), 4);
         assert_eq!(due(0.7, 0.1), 8, "0.7 / 0.1 is a little below 7");

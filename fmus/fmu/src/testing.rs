@@ -12,7 +12,7 @@ use std::fmt;
 pub use dependencies::outputs_move_only_with_what_they_declare;
 pub use states::{a_saved_state_goes_on_bit_for_bit, init_can_be_repeated, read_foreign_state, written_state};
 
-/// What a test of the export layer found wrong with a unit, one line each.
+/// Violations that a test of the export layer found in a unit, one line each.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Findings(pub Vec<String>);
 
@@ -22,14 +22,14 @@ impl Findings {
     }
 }
 
-/// In lines: this is what a failing test shows.
+/// One line for each finding, because a failing test shows the `Debug` form.
 impl fmt::Debug for Findings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.iter().try_for_each(|line| write!(f, "\n  {line}"))
     }
 }
 
-/// The description, as it is written, breaks no rule of the standard.
+/// Checks that the written description breaks no rule of the standard.
 ///
 /// # Errors
 ///

@@ -44,7 +44,7 @@ impl Instance {
         Ok(status)
     }
 
-    /// The texts are valid until they are asked for again or the instance is freed.
+    /// The texts are valid until the next get of the same String or until the instance is freed.
     pub(crate) fn get_strings(
         &mut self,
         references: &[u32],
@@ -71,7 +71,7 @@ impl Instance {
         check(references, "Real", slots.reals.len())?;
         for (&reference, &value) in references.iter().zip(values) {
             let slot = &slots.reals[reference as usize];
-            // Without bounds of its own a slot has those of the finite numbers, so that NaN and infinities fail here.
+            // A slot without declared bounds has those of the finite numbers, so that NaN and infinities fail here.
             if !(slot.settable.in_state(state) && slot.min <= value && value <= slot.max) {
                 return Err(why_not_real(slot, value, state));
             }
@@ -127,7 +127,7 @@ impl Instance {
         if settable.in_state(state) { Ok(()) } else { Err(Refusal::NotSettable { port: port.to_owned(), state }) }
     }
 
-    /// In initialization mode outputs follow what is set.
+    /// Marks the outputs as outdated in initialization mode, where they follow the values that are set.
     #[inline]
     fn touched(&mut self) -> Status {
         self.progress.stale = self.progress.state == State::InitializationMode;

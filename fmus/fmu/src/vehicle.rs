@@ -1,4 +1,4 @@
-//! The groups of ports that all vehicles, their controllers, sensors and environments share.
+//! Groups of ports shared by all vehicles, their controllers, sensors and environments.
 //!
 //! World frame: east, north, up. Body frame: forward, left, up.
 

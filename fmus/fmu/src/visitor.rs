@@ -1,4 +1,4 @@
-//! Walks once over a unit and notes each scalar: its name, what was declared, its start value and where it lies.
+//! Visits a unit once and records each scalar: its name, declaration, start value and offset.
 
 use crate::declaration::{Declaration, Ports};
 use crate::port::{FmiEnum, Port};
@@ -8,13 +8,13 @@ use crate::port::{FmiEnum, Port};
 pub struct Scalar {
     /// The structured name, `state.position.x`.
     pub name: String,
-    /// What was declared for it.
+    /// Its declaration.
     pub declaration: Declaration,
-    /// Its value at the start.
+    /// Its start value.
     pub start: Value,
-    /// Distance in bytes from the beginning of the unit's struct.
+    /// Offset in bytes in the unit's struct.
     pub(crate) offset: usize,
-    /// Its type; an enumeration brings the access to its items.
+    /// Its type; for an enumeration with access to its items.
     pub(crate) kind: ScalarKind,
 }
 
@@ -41,7 +41,7 @@ pub(crate) enum ScalarKind {
     String,
 }
 
-/// What is known of an enumeration type.
+/// An enumeration type.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Enumeration {
     pub(crate) name: &'static str,
@@ -50,7 +50,7 @@ pub(crate) struct Enumeration {
     pub(crate) access: EnumerationAccess,
 }
 
-/// Reads and writes an enumeration whose type only the visitor knew.
+/// Functions that read and write an enumeration whose type is known only during the visit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EnumerationAccess {
     /// # Safety
@@ -85,7 +85,7 @@ impl Visitor {
         visitor.scalars
     }
 
-    /// Visits a named field of the value in hand.
+    /// Visits a named field of the current value.
     pub fn field<P: Port>(&mut self, name: &str, declaration: &Declaration, port: &mut P) {
         let length = self.path.len();
         if length > 0 {
@@ -96,7 +96,7 @@ impl Visitor {
         self.path.truncate(length);
     }
 
-    /// Visits an element of an array, counted from 1; the index of an array in an array stands behind a comma.
+    /// Visits an element of an array, counted from 1; the index of a nested array follows a comma.
     pub(crate) fn element<P: Port>(&mut self, index: usize, declaration: &Declaration, port: &mut P) {
         let outer = self.path.clone();
         self.path = match outer.strip_suffix(']') {
@@ -107,34 +107,34 @@ impl Visitor {
         self.path = outer;
     }
 
-    /// Names that stand beside the field in hand, as seen from the whole unit.
+    /// Full names, from the unit's struct, of siblings of the current field.
     #[must_use]
     pub fn scoped(&self, names: &[&str]) -> Vec<String> {
         let scope = if self.path.is_empty() { String::new() } else { format!("{}.", self.path) };
         names.iter().map(|name| format!("{scope}{name}")).collect()
     }
 
-    /// Notes a Real.
+    /// Records a Real.
     pub(crate) fn real(&mut self, value: &mut f64, declaration: &Declaration) {
         self.note(std::ptr::from_mut(value), Value::Real(*value), ScalarKind::Real, declaration);
     }
 
-    /// Notes an Integer.
+    /// Records an Integer.
     pub(crate) fn integer(&mut self, value: &mut i32, declaration: &Declaration) {
         self.note(std::ptr::from_mut(value), Value::Integer(*value), ScalarKind::Integer, declaration);
     }
 
-    /// Notes a Boolean.
+    /// Records a Boolean.
     pub(crate) fn boolean(&mut self, value: &mut bool, declaration: &Declaration) {
         self.note(std::ptr::from_mut(value), Value::Boolean(*value), ScalarKind::Boolean, declaration);
     }
 
-    /// Notes a String.
+    /// Records a String.
     pub(crate) fn string(&mut self, value: &mut String, declaration: &Declaration) {
         self.note(std::ptr::from_mut(value), Value::String(value.clone()), ScalarKind::String, declaration);
     }
 
-    /// Notes an Enumeration.
+    /// Records an Enumeration.
     pub fn enumeration<E: FmiEnum>(&mut self, value: &mut E, declaration: &Declaration) {
         let enumeration = Enumeration {
             name: E::NAME,

@@ -1,4 +1,4 @@
-//! The beginning and the end of an instance, and the description that the packager reads.
+//! Creation and end of an instance, and the description that the packager reads.
 #![allow(unsafe_code, reason = "pointers of the importer")]
 
 use super::{AssertUnwindSafe, Instance, catch_unwind};
@@ -9,9 +9,9 @@ use crate::log::Log;
 use fmi2::c::{self, CallbackFunctions, Component, Status};
 use std::ffi::{CStr, CString};
 
-/// `fmi2Instantiate`: null, after a message where there is a logger, if something is wrong.
+/// `fmi2Instantiate`: on an error null, after a message if there is a logger.
 ///
-/// Everything the importer hands over is copied. Resources are not used, so that their place may be null.
+/// Everything that the importer passes is copied. Resources are not used, so that their location may be null.
 pub unsafe fn instantiate(
     library: &'static Library,
     name: c::Str,
@@ -50,7 +50,7 @@ unsafe fn text(pointer: c::Str) -> Option<CString> {
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) }.to_owned())
 }
 
-/// What keeps an instance from being made.
+/// The reason why an instance cannot be created, if any.
 fn why_not(library: &Library, name: Option<&CStr>, kind: c::FmuType, guid: Option<&CStr>) -> Option<String> {
     let own = &library.described().description.guid;
     let given = guid.map(|guid| guid.to_string_lossy().into_owned());
@@ -76,14 +76,14 @@ pub unsafe fn free(component: Component) {
     }
     // SAFETY: the contract of this file: the handle came from `instantiate` and is freed once.
     let instance = unsafe { Box::from_raw(component.cast::<Instance>()) };
-    // A unit that panics while it is dropped must not take the importer with it.
+    // A panic of the unit while it is dropped must not end the importer.
     drop(catch_unwind(AssertUnwindSafe(|| drop(instance))));
 }
 
 /// `modelDescription.xml` of the library, UTF-8 without a zero byte at its end; valid as long as the library is loaded.
 pub unsafe fn description(library: &'static Library, length: *mut usize) -> *const u8 {
     let Ok(xml) = catch_unwind(AssertUnwindSafe(|| library.xml())) else { return std::ptr::null() };
-    // SAFETY: null or a place for the length.
+    // SAFETY: null or valid for writing the length.
     if let Some(length) = unsafe { length.as_mut() } {
         *length = xml.len();
     }

@@ -1,4 +1,4 @@
-//! Saved states behind handles. A handle is compared with those that the instance gave out, and never followed.
+//! Saved states behind handles. A handle is compared with those that the instance returned, and never dereferenced.
 #![allow(unsafe_code, reason = "pointers of the importer")]
 
 use super::{Component, Instance, RawStatus, Refusal, Status, enter, values};
@@ -17,13 +17,13 @@ impl Instance {
     }
 }
 
-/// What a pointer to a handle leads to.
+/// The value at a pointer argument, which must not be null.
 unsafe fn place<'a, T>(pointer: *mut T, argument: &'static str) -> Result<&'a mut T, Refusal> {
     // SAFETY: the contract of this file.
     unsafe { pointer.as_mut() }.ok_or(Refusal::Null { argument })
 }
 
-/// `fmi2GetFMUstate`: a handle that is not null is used again.
+/// `fmi2GetFMUstate`: the state of a handle that is not null is overwritten.
 pub unsafe fn get_state(component: Component, handle: *mut FmuState) -> RawStatus {
     let work = |instance: &mut Instance| {
         // SAFETY: the contract of this file.
@@ -47,7 +47,7 @@ pub unsafe fn set_state(component: Component, handle: FmuState) -> RawStatus {
     unsafe { enter(component, Call::SetFmuState, work) }
 }
 
-/// `fmi2FreeFMUstate`: nothing to free is no mistake.
+/// `fmi2FreeFMUstate`: a null handle is not an error.
 pub unsafe fn free_state(component: Component, handle: *mut FmuState) -> RawStatus {
     let work = |instance: &mut Instance| {
         // SAFETY: the contract of this file.
@@ -94,7 +94,8 @@ pub unsafe fn serialize_state(component: Component, handle: FmuState, buffer: *m
     unsafe { enter(component, Call::SerializeFmuState, work) }
 }
 
-/// `fmi2DeSerializeFMUstate`: a handle of this instance is used again; some importers hand over places that hold nothing.
+/// `fmi2DeSerializeFMUstate`: the state of a handle of this instance is overwritten; any other handle is ignored,
+/// because some importers pass uninitialized ones.
 pub unsafe fn deserialize_state(
     component: Component,
     buffer: *const c_char,

@@ -1,4 +1,4 @@
-//! Holds outputs to their declared dependencies: moves every input and parameter, looks which outputs move.
+//! Checks the declared dependencies of outputs: changes every input and parameter and observes which outputs change.
 
 use super::Findings;
 use super::moves::{Pair, differs, moved_at_once, others};
@@ -8,22 +8,24 @@ use crate::visitor::Value;
 use fmi2::description::{Causality, Kind, Unknown};
 use std::collections::BTreeSet;
 
-/// Steps before the inputs are moved.
+/// Steps before the inputs are changed.
 const WARM_UP: u32 = 3;
-/// A step in which no state moves.
+/// A step so short that states hardly change.
 const SHORT_S: f64 = 1e-9;
-/// A step in which states move a thousand times as far.
+/// A step in which states change a thousand times as much.
 const LONG_S: f64 = 1e-6;
 
-/// No output moves with an input or parameter that it does not declare, in initialization mode or after a step.
+/// Checks that no output changes with an input or parameter that it does not declare, in initialization mode or after a
+/// step.
 ///
-/// In initialization mode no time passes, so what moves depends. A step is made as short as time can be counted: there
-/// states hardly move, and outputs move with what they depend on at their own instant. All this is done at the start
-/// values, with every input moved away from its own, and with each choice that a parameter offers.
+/// In initialization mode no time passes, so every output that changes is dependent. A step is as short as time can be
+/// counted: in it states hardly change, and outputs change with their dependencies at the same instant. All this is
+/// done with the start values, with every input changed from its start value, and with each value of parameters that
+/// are not Real.
 ///
 /// # Errors
 ///
-/// Each output that moved with something else, or the reason why the unit does not run with its start values.
+/// Each output that changed with an undeclared variable, or the reason why the unit does not run with its start values.
 pub fn outputs_move_only_with_what_they_declare(library: &'static Library) -> Result<(), Findings> {
     let mut subject = Subject::new(library);
     let start = subject.save();
@@ -38,7 +40,7 @@ pub fn outputs_move_only_with_what_they_declare(library: &'static Library) -> Re
     Findings::none_or(found.into_iter().collect())
 }
 
-/// The unit before its start: with start values, with moved inputs, and with these and one parameter chosen otherwise.
+/// The unit before initialization: with start values, with changed inputs, and with these and one changed parameter.
 fn bases(subject: &mut Subject, start: &dyn Unit) -> Vec<Box<dyn Unit>> {
     let inputs = subject.variables(|variable| variable.causality == Causality::Input);
     let choices = subject
@@ -63,7 +65,7 @@ fn bases(subject: &mut Subject, start: &dyn Unit) -> Vec<Box<dyn Unit>> {
     bases
 }
 
-/// Moves everything that has a start value and initializes.
+/// Changes each variable that has a start value and initializes.
 fn moved_at_start(subject: &mut Subject, base: &dyn Unit, found: &mut BTreeSet<String>) {
     let outputs = subject.outputs();
     let knowns = subject.variables(|variable| variable.has_start());
@@ -77,7 +79,7 @@ fn moved_at_start(subject: &mut Subject, base: &dyn Unit, found: &mut BTreeSet<S
         for other in others(subject.description, known, &subject.get(known)) {
             subject.restore(base);
             subject.set(known, &other);
-            // A unit may refuse a combination of values.
+            // A unit may reject a combination of values.
             if subject.init().is_err() {
                 continue;
             }
@@ -95,7 +97,7 @@ fn moved_at_start(subject: &mut Subject, base: &dyn Unit, found: &mut BTreeSet<S
     }
 }
 
-/// Moves the inputs after some steps and makes a short one; it ends where a sample may fall due.
+/// Changes the inputs after some steps and makes a short step, which ends where a sample may be due.
 fn moved_in_a_step(subject: &mut Subject, base: &dyn Unit, found: &mut BTreeSet<String>) {
     let inputs = subject.variables(|variable| variable.causality == Causality::Input);
     let Some(now_s) = warm_up(subject, base) else { return };
@@ -134,7 +136,7 @@ fn moved_in_a_step(subject: &mut Subject, base: &dyn Unit, found: &mut BTreeSet<
     }
 }
 
-/// Runs from the base to shortly before the end of a whole step; returns the time.
+/// Runs from the base to shortly before the end of a full step; returns the time.
 fn warm_up(subject: &mut Subject, base: &dyn Unit) -> Option<f64> {
     subject.restore(base);
     subject.init().ok()?;

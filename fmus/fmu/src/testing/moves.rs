@@ -1,15 +1,16 @@
-//! Other values for a variable, and whether an output moved.
+//! Other values for a variable, and whether an output changed.
 
 use crate::visitor::Value;
 use fmi2::description::{Kind, ModelDescription};
 
-/// How far a Real is moved, in parts of its size: a little, and across many a threshold.
+/// Changes of a Real relative to its size: a small one, and one that crosses most thresholds.
 const MOVES: [f64; 4] = [1e-3, 0.37, -1e-3, -0.37];
-/// How many values of a Real are tried.
+/// Number of values of a Real that are tried.
 const REALS: usize = 2;
-/// What counts as rounding, in parts of the output's size.
+/// Changes up to this fraction of the output's size are treated as rounding errors.
 const ROUNDING: f64 = 1e-12;
-/// A state moves in proportion to the time that passes, so in a step 1000 times as short by a thousandth.
+/// A state changes in proportion to the elapsed time, so in a step 1000 times as short by a thousandth. A larger ratio
+/// means that the output depends on the input directly.
 const AT_ONCE: f64 = 0.03;
 
 /// Values other than the present one that the variable may have.
@@ -60,7 +61,7 @@ impl Pair {
     }
 }
 
-/// Whether an output moved with the input itself, not with the time that passed since.
+/// Whether an output changed with the input itself, not with the time that passed since.
 pub(super) fn moved_at_once(short: &Pair, long: &Pair) -> bool {
     let size = if let Value::Real(value) = short.without { value.abs().max(1.0) } else { 1.0 };
     short.distance() > ROUNDING * size && short.distance() > AT_ONCE * long.distance()
@@ -75,14 +76,14 @@ mod tests {
     }
 
     #[test]
-    fn a_state_moves_with_time_only() {
+    fn a_state_changes_with_time_only() {
         let acceleration = 1e4;
         assert!(!moved_at_once(&pair(0.0, acceleration * 1e-9), &pair(0.0, acceleration * 1e-6)));
         assert!(!moved_at_once(&pair(1e3, 1e3 + 1e-13), &pair(1e3, 1e3)), "rounding");
     }
 
     #[test]
-    fn a_feedthrough_moves_at_once() {
+    fn a_feedthrough_changes_at_once() {
         assert!(moved_at_once(&pair(0.0, 1e-6), &pair(0.0, 1e-6)));
         assert!(moved_at_once(&pair(2.0, 3.0), &pair(2.0, 3.001)));
     }

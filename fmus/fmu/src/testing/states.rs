@@ -1,18 +1,18 @@
-//! Holds a unit to its promises about states: `init` begins anew, a written state loses nothing.
+//! Checks the contract of a unit about states: `init` does not depend on earlier calls, a serialized state is complete.
 
 use super::Findings;
 use super::moves::others;
 use super::subject::Subject;
 use crate::library::Library;
 
-/// Steps before and after a state is written.
+/// Steps before and after a state is serialized.
 const STEPS: u32 = 5;
 
-/// `init` leaves the same unit behind however often it runs, and whatever was set before the last time.
+/// Checks that `init` gives the same unit however often it runs, and whatever values were set before earlier calls.
 ///
 /// # Errors
 ///
-/// What remained of an earlier `init`.
+/// The effects that remained of an earlier `init`.
 pub fn init_can_be_repeated(library: &'static Library) -> Result<(), Findings> {
     let mut subject = Subject::new(library);
     let broken = |cause: String| Findings(vec![cause]);
@@ -29,7 +29,7 @@ pub fn init_can_be_repeated(library: &'static Library) -> Result<(), Findings> {
         let start = subject.get(known);
         for other in others(subject.description, known, &start) {
             subject.set(known, &other);
-            // A unit may refuse the value; what it did before it refused must not remain either.
+            // A unit may reject the value; effects before the rejection must not remain either.
             let refused = subject.init().is_err();
             subject.set(known, &start);
             if init(&mut subject)? != once {
@@ -42,11 +42,11 @@ pub fn init_can_be_repeated(library: &'static Library) -> Result<(), Findings> {
     Findings::none_or(found)
 }
 
-/// A unit that is written in mid-run and read again goes on with the same bits.
+/// Checks that a unit that is serialized during a run and read again continues with the same bits.
 ///
 /// # Errors
 ///
-/// What was lost on the way.
+/// Which of `Clone` and `Serialize` is incomplete, or why the unit cannot run or be serialized.
 pub fn a_saved_state_goes_on_bit_for_bit(library: &'static Library) -> Result<(), Findings> {
     let mut subject = Subject::new(library);
     let broken = |cause: String| Findings(vec![cause]);
@@ -75,13 +75,13 @@ pub fn a_saved_state_goes_on_bit_for_bit(library: &'static Library) -> Result<()
     Findings::none_or(found)
 }
 
-/// Target for generated input: whatever the bytes are, reading them as the hidden state of a unit ends, without a panic.
+/// Target for generated input: reading any bytes as the state of a unit terminates without a panic.
 pub fn read_foreign_state(library: &'static Library, bytes: &[u8]) {
-    // The checksum keeps most inputs from coming this far in a written state, so it is left out.
+    // The checksum of a serialized state would reject most inputs earlier, so it is left out.
     let _ = Subject::new(library).read_bytes(bytes);
 }
 
-/// The bytes of a unit at its start values, to change at will.
+/// The bytes of a unit at its start values, as a seed for generated input.
 ///
 /// # Errors
 ///

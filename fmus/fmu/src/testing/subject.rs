@@ -1,4 +1,4 @@
-//! A unit under test: its variables by their index in the description, its steps without the C interface.
+//! A unit under test: access to its variables by index in the description, and to its steps without the C interface.
 
 use crate::body::Body;
 use crate::library::{Library, Unit};
@@ -7,7 +7,7 @@ use crate::step::{Step, Time};
 use crate::visitor::Value;
 use fmi2::description::{Causality, Kind, ModelDescription, Variable};
 
-/// Step where the unit names none, in seconds.
+/// Step length if the unit declares none, in seconds.
 const STEP_S: f64 = 0.01;
 
 /// A unit that is set, stepped and read by a test.

@@ -1,4 +1,4 @@
-//! What the compiler says about wrong attributes.
+//! Compiler errors of wrong attributes.
 
 #[test]
 fn mistakes_in_attributes_are_compile_errors_that_point_at_the_field() {

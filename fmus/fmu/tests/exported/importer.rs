@@ -1,4 +1,4 @@
-//! The importer's side: an instance of the probe with its log.
+//! A minimal importer for tests: an instance of the probe with its log.
 
 use crate::probe::{exported as fmi, guid};
 use fmi2::c::{CallbackFunctions, CallbackLogger, RawStatus};
@@ -44,7 +44,8 @@ unsafe extern "C" fn log(
 }
 
 pub fn callbacks(messages: &Messages) -> CallbackFunctions {
-    // SAFETY: the unit passes no arguments after the format, so that both calls are the same on every platform we build for.
+    // SAFETY: the unit passes no arguments after the format, so that both function types have the same calling
+    // convention on every platform we build for.
     let logger = unsafe {
         std::mem::transmute::<
             unsafe extern "C" fn(*mut c_void, *const c_char, RawStatus, *const c_char, *const c_char),
@@ -60,7 +61,7 @@ pub fn callbacks(messages: &Messages) -> CallbackFunctions {
     }
 }
 
-/// What `fmi2Instantiate` gets.
+/// The arguments of `fmi2Instantiate`.
 pub struct Request<'a> {
     pub name: Option<&'a CStr>,
     pub kind: i32,
@@ -80,7 +81,7 @@ impl Importer {
         importer.unwrap_or_else(|| panic!("not instantiated: {messages:?}"))
     }
 
-    /// The instance, or what the unit said against it.
+    /// The instance, if there is one, and the messages of the unit.
     pub fn request(request: &Request) -> (Option<Self>, Vec<Message>) {
         let messages = Box::new(Messages::default());
         let callbacks = callbacks(&messages);
@@ -99,17 +100,17 @@ impl Importer {
             )
         };
         let importer = Self { component, messages };
-        let said = importer.messages();
-        ((!component.is_null()).then_some(importer), said)
+        let messages = importer.messages();
+        ((!component.is_null()).then_some(importer), messages)
     }
 
-    /// What the unit said since the last time.
+    /// The messages of the unit since the last call.
     pub fn messages(&self) -> Vec<Message> {
         std::mem::take(&mut *self.messages.lock().expect("no panic"))
     }
 
-    /// The text of the only message since the last time.
-    pub fn said(&self) -> String {
+    /// The text of the only message since the last call.
+    pub fn only_message(&self) -> String {
         let messages = self.messages();
         assert_eq!(messages.len(), 1, "{messages:?}");
         messages[0].text.clone()
@@ -131,7 +132,7 @@ impl Importer {
         unsafe { fmi::fmi2ExitInitializationMode(self.component) }
     }
 
-    /// Ready for the first step.
+    /// The instance, ready for the first step.
     pub fn started(self) -> Self {
         assert_eq!((self.set_up(0.0, None), self.enter(), self.exit()), (OK, OK, OK));
         self
@@ -177,7 +178,7 @@ impl Importer {
     }
 
     pub fn save(&self, handle: &mut *mut c_void) -> i32 {
-        // SAFETY: a live component, a place for the handle.
+        // SAFETY: a live component, a valid pointer to the handle.
         unsafe { fmi::fmi2GetFMUstate(self.component, handle) }
     }
 
@@ -188,18 +189,18 @@ impl Importer {
     }
 
     pub fn restore(&self, handle: *mut c_void) -> i32 {
-        // SAFETY: a live component; the unit does not follow handles that it does not know.
+        // SAFETY: a live component; the unit does not dereference unknown handles.
         unsafe { fmi::fmi2SetFMUstate(self.component, handle) }
     }
 
     pub fn free_state(&self, handle: &mut *mut c_void) -> i32 {
-        // SAFETY: a live component, a place for the handle.
+        // SAFETY: a live component, a valid pointer to the handle.
         unsafe { fmi::fmi2FreeFMUstate(self.component, handle) }
     }
 
     pub fn written(&self, handle: *mut c_void) -> Vec<u8> {
         let mut size = 0;
-        // SAFETY: a live component, as many bytes as it asks for.
+        // SAFETY: a live component, a buffer of the size that it returned.
         unsafe {
             assert_eq!(fmi::fmi2SerializedFMUstateSize(self.component, handle, &raw mut size), OK);
             let mut bytes = vec![0; size];
@@ -209,14 +210,14 @@ impl Importer {
     }
 
     pub fn read(&self, bytes: &[u8], handle: &mut *mut c_void) -> i32 {
-        // SAFETY: a live component, the bytes, a place for the handle.
+        // SAFETY: a live component, the bytes, a valid pointer to the handle.
         unsafe { fmi::fmi2DeSerializeFMUstate(self.component, bytes.as_ptr().cast(), bytes.len(), handle) }
     }
 }
 
 impl Drop for Importer {
     fn drop(&mut self) {
-        // SAFETY: a live component, freed once; null is nothing to free.
+        // SAFETY: a live component, freed once; null is ignored.
         unsafe { fmi::fmi2FreeInstance(self.component) };
     }
 }

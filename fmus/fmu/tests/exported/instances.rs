@@ -1,4 +1,4 @@
-//! How instances begin, what they say, and that they do not know of each other.
+//! Creation of instances, their messages, and their independence of each other.
 
 use crate::importer::{ERROR, Importer, OK, Request, WARNING};
 use crate::probe::{exported as fmi, guid, port};
@@ -41,7 +41,7 @@ fn the_platform_and_version_need_no_instance() {
     assert_eq!(texts, [c"default", c"2.0"]);
 }
 
-/// Status, category and text of what a step that warns says.
+/// Status, category and text of the messages of a step with a warning.
 fn warned(importer: &Importer) -> Vec<(i32, String, String)> {
     assert_eq!(importer.set_integer(port::DEED, 2), OK);
     assert_eq!(importer.step(0.0, 0.1), WARNING);
@@ -50,29 +50,29 @@ fn warned(importer: &Importer) -> Vec<(i32, String, String)> {
 }
 
 #[test]
-fn percent_and_hash_reach_the_reader_of_a_printf_format() {
+fn percent_and_hash_are_escaped_for_the_printf_format() {
     let warning = (WARNING, "logStatusWarning".to_owned(), "100%% of ##1".to_owned());
     assert_eq!(warned(&Importer::new().started()), [warning]);
 }
 
 #[test]
-fn events_are_told_to_those_who_ask() {
+fn events_are_logged_if_enabled() {
     let categories: Vec<_> = warned(&Importer::with_logging(1).started()).into_iter().map(|(_, c, _)| c).collect();
     assert_eq!(categories, ["logEvents", "logStatusWarning"]);
 }
 
 #[test]
-fn categories_are_turned_on_and_off_by_name_but_failures_are_always_told() {
+fn categories_are_turned_on_and_off_by_name_but_failures_are_always_logged() {
     let importer = Importer::new().started();
     let want = |on, names: &[*const std::ffi::c_char]| {
-        // SAFETY: a live component, as many names as are said.
+        // SAFETY: a live component, as many names as the count.
         unsafe { fmi::fmi2SetDebugLogging(importer.component, on, names.len(), names.as_ptr()) }
     };
     assert_eq!((want(1, &[c"logEvents".as_ptr()]), want(0, &[c"logStatusWarning".as_ptr()])), (OK, OK));
     assert_eq!(warned(&importer).len(), 1, "the event only");
     assert_eq!(want(0, &[]), OK);
     assert_eq!(importer.set_real(port::SPEED, f64::NAN), ERROR);
-    assert!(importer.said().contains("`speed`"));
+    assert!(importer.only_message().contains("`speed`"));
 }
 
 #[test]
@@ -81,11 +81,11 @@ fn a_category_that_does_not_exist_is_a_warning() {
     let name = c"logDreams".as_ptr();
     // SAFETY: a live component, one name.
     assert_eq!(unsafe { fmi::fmi2SetDebugLogging(importer.component, 1, 1, &raw const name) }, WARNING);
-    assert_eq!(importer.said(), "there is no log category `logDreams`");
+    assert_eq!(importer.only_message(), "there is no log category `logDreams`");
 }
 
 #[test]
-fn instances_in_threads_do_not_know_of_each_other() {
+fn instances_in_threads_are_independent() {
     let run = |speed: f64| {
         let importer = Importer::new().started();
         assert_eq!(importer.set_real(port::SPEED, speed), OK);

@@ -1,4 +1,4 @@
-//! A panic of a unit stays on its side of the border.
+//! A panic of a unit does not reach the importer.
 
 use crate::importer::{ERROR, Importer, OK, callbacks};
 use crate::probe::{UNLUCKY_M_S, port};
@@ -12,12 +12,12 @@ fn panicked() -> Importer {
     let importer = Importer::new().started();
     assert_eq!((importer.set_integer(port::DEED, 6), importer.set_real(port::SPEED, UNLUCKY_M_S)), (OK, OK));
     assert_eq!(importer.step(0.0, 0.1), ERROR);
-    assert_eq!(importer.said(), "fmi2DoStep: the unit panicked, which is a defect of it: told to panic");
+    assert_eq!(importer.only_message(), "fmi2DoStep: the unit panicked, which is a defect of it: told to panic");
     importer
 }
 
 #[test]
-fn after_a_panic_values_can_be_read_and_nothing_else() {
+fn after_a_panic_values_can_be_read_but_not_set_or_stepped() {
     let importer = panicked();
     assert_eq!(importer.real(port::SPEED), UNLUCKY_M_S);
     assert_eq!((importer.set_real(port::SPEED, 2.0), importer.step(0.1, 0.1)), (ERROR, ERROR));
@@ -30,7 +30,7 @@ fn after_a_panic_values_can_be_read_and_nothing_else() {
 }
 
 #[test]
-fn a_reset_makes_a_panicked_instance_anew() {
+fn a_reset_restores_a_panicked_instance() {
     let importer = panicked();
     assert_eq!(importer.reset(), OK);
     let importer = importer.started();
@@ -38,7 +38,7 @@ fn a_reset_makes_a_panicked_instance_anew() {
 }
 
 #[test]
-fn a_panic_in_one_instance_leaves_others_alone() {
+fn a_panic_in_one_instance_does_not_affect_others() {
     let other = Importer::new().started();
     let _panicked = panicked();
     assert_eq!(other.step(0.0, 0.1), OK);
@@ -48,7 +48,7 @@ thread_local! {
     static IS_DEFECT: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Hidden state that cannot always be made.
+/// Hidden state whose creation panics on demand.
 #[derive(Clone, Serialize, Deserialize)]
 struct Fuse;
 
@@ -82,13 +82,13 @@ static LAMP: Library =
     Library::of::<Lamp>(Package { identifier: "lamp", version: "1.0.0", authors: "", license: "MIT" });
 
 #[test]
-fn a_unit_that_panics_while_it_is_made_says_why_there_is_no_instance() {
+fn a_unit_that_panics_on_creation_logs_why_there_is_no_instance() {
     let guid = LAMP.xml().split("guid=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a GUID");
     let guid = CString::new(guid).expect("no zero");
     IS_DEFECT.set(true);
     let messages = Mutex::default();
     let callbacks = callbacks(&messages);
-    // SAFETY: the strings and callbacks live until the call returns, and no instance outlives it.
+    // SAFETY: the strings and callbacks live until the call returns, and no instance is created.
     let component = unsafe { fmu::abi::instantiate(&LAMP, c"one".as_ptr(), 1, guid.as_ptr(), &raw const callbacks, 0) };
     assert!(component.is_null());
     let texts: Vec<_> = messages.into_inner().expect("no panic").into_iter().map(|message| message.text).collect();

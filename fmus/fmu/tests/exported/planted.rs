@@ -1,4 +1,4 @@
-//! Units with a planted mistake: each of the tests that every unit gets notices its own.
+//! Units with a planted mistake: each of the tests that every unit gets detects its own.
 
 use fmu::testing::{
     a_saved_state_goes_on_bit_for_bit, init_can_be_repeated, outputs_move_only_with_what_they_declare,

@@ -1,4 +1,4 @@
-//! A unit with a port of each kind, whose steps go wrong on demand.
+//! A unit with a port of each kind, whose steps fail on demand.
 
 use fmu::{Context, Fault, FmiEnum, Fmu, Library, Model, Outcome, Step};
 use nalgebra::Vector3;
@@ -98,7 +98,7 @@ impl Model for Probe {
             Deed::Discard => Outcome::AcceptedUntil(step.start_s() + step.length_s() / 2.0),
             Deed::Terminate => Outcome::Terminated(step.end_s()),
             Deed::Fail => return Err(Fault::new("told to")),
-            // Not at the values that the tests of every unit try.
+            // Not at the values that the common tests of every unit try.
             Deed::Panic => {
                 assert!(self.speed != UNLUCKY_M_S, "told to panic");
                 Outcome::Done
@@ -114,7 +114,7 @@ impl Model for Probe {
 
 fmu::export!(Probe);
 
-/// Value references, as the description numbers them.
+/// Value references in the description.
 pub mod port {
     pub static DEED: u32 = 0;
     pub static COUNT: [u32; 2] = [1, 2];
@@ -132,7 +132,7 @@ pub mod port {
 }
 
 #[test]
-fn the_value_references_are_those_of_the_description() {
+fn the_value_references_equal_those_of_the_description() {
     let (description, _) = fmi2::description::read::read(LIBRARY.xml().as_bytes()).expect("readable");
     let reference = |name: &str| description.variables[description.variable(name).expect(name)].value_reference;
     assert_eq!(["deed", "count[1]", "count[2]", "sum"].map(reference), [0, 1, 2, 3]);

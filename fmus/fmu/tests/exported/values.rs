@@ -1,4 +1,4 @@
-//! Get and set calls: what is taken, what is refused, and that a refusal changes nothing.
+//! Get and set calls: what is accepted, what is refused, and that a refusal changes nothing.
 
 use crate::importer::{ERROR, Importer, OK, WARNING};
 use crate::probe::{exported as fmi, port};
@@ -35,37 +35,37 @@ fn start_values_are_readable_before_the_run_with_a_warning() {
     // SAFETY: a live component, one value.
     let status = unsafe { fmi::fmi2GetReal(importer.component, &raw const port::GAIN, 1, &raw mut value) };
     assert_eq!((status, value), (WARNING, 2.0));
-    assert!(importer.said().contains("`instantiated`"));
+    assert!(importer.only_message().contains("`instantiated`"));
 }
 
 #[test]
-fn what_is_no_number_is_refused_by_name_and_the_old_value_stays() {
+fn a_value_that_is_not_finite_is_refused_by_name_and_the_old_value_stays() {
     for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let importer = initializing();
         assert_eq!((importer.set_real(port::SPEED, value), importer.real(port::SPEED)), (ERROR, 1.0));
-        assert_eq!(importer.said(), format!("fmi2SetReal: {value} is no value for `speed`; nothing was set"));
+        assert_eq!(importer.only_message(), format!("fmi2SetReal: {value} is no value for `speed`; nothing was set"));
     }
 }
 
 #[test]
-fn what_lies_outside_its_bounds_is_refused_by_name() {
+fn a_value_outside_its_bounds_is_refused_by_name() {
     let importer = initializing();
     assert_eq!((importer.set_real(port::GAIN, 0.0), importer.set_real(port::GAIN, 10.0)), (OK, OK));
     assert_eq!((importer.set_real(port::GAIN, 10.5), importer.real(port::GAIN)), (ERROR, 10.0));
     assert_eq!(
-        importer.said(),
+        importer.only_message(),
         "fmi2SetReal: 10.5 is no value for `gain`, which lies between 0 and 10; nothing was set"
     );
     let importer = initializing();
     assert_eq!((importer.set_integer(port::COUNT[1], 6), importer.integer(port::COUNT[1])), (ERROR, 4));
-    assert!(importer.said().contains("`count[2]`, which lies between -5 and 5"));
+    assert!(importer.only_message().contains("`count[2]`, which lies between -5 and 5"));
     let importer = initializing();
     assert_eq!((importer.set_integer(port::DEED, 7), importer.integer(port::DEED)), (ERROR, 1));
-    assert!(importer.said().contains("`deed` is an enumeration without an item of value 7"));
+    assert!(importer.only_message().contains("`deed` is an enumeration without an item of value 7"));
 }
 
 #[test]
-fn a_call_with_one_bad_value_sets_none() {
+fn a_call_with_one_invalid_value_sets_none() {
     let importer = initializing();
     let (ports, values) = ([port::SPEED, port::GAIN], [5.0, f64::NAN]);
     // SAFETY: a live component, two values.
@@ -76,7 +76,7 @@ fn a_call_with_one_bad_value_sets_none() {
     importer.messages();
     // SAFETY: a live component, two values.
     assert_eq!(unsafe { fmi::fmi2SetReal(importer.component, ports.as_ptr(), 2, values.as_ptr()) }, ERROR);
-    assert!(importer.said().contains("no Real with value reference 99; the unit has 8, from 0"));
+    assert!(importer.only_message().contains("no Real with value reference 99; the unit has 8, from 0"));
     assert_eq!(importer.real(port::SPEED), 1.0);
 }
 
@@ -86,14 +86,14 @@ fn only_inputs_and_tunable_parameters_are_set_between_steps() {
         let importer = Importer::new().started();
         assert_eq!((importer.set_real(port::OFFSET, 1.0), importer.set_real(port, 1.0)), (OK, ERROR));
         assert_eq!(
-            importer.said(),
+            importer.only_message(),
             format!("fmi2SetReal: `{name}` cannot be set in state `stepComplete`; nothing was set")
         );
     }
 }
 
 #[test]
-fn the_start_of_a_state_is_set_before_the_run_and_what_is_computed_never() {
+fn the_start_of_a_state_is_set_before_the_run_and_a_computed_port_never() {
     let importer = initializing();
     assert_eq!((importer.set_real(port::POSITION_X, 9.0), importer.exit()), (OK, OK));
     assert_eq!((importer.step(0.0, 0.1), importer.real(port::POSITION_X)), (OK, 9.1));
@@ -102,7 +102,7 @@ fn the_start_of_a_state_is_set_before_the_run_and_what_is_computed_never() {
 }
 
 #[test]
-fn no_values_need_no_pointers_and_values_do() {
+fn pointers_may_be_null_only_if_the_count_is_zero() {
     let importer = initializing();
     // SAFETY: a live component; null pointers are checked.
     unsafe {
@@ -110,11 +110,11 @@ fn no_values_need_no_pointers_and_values_do() {
         assert_eq!(fmi::fmi2SetString(importer.component, null(), 0, null()), OK);
         assert_eq!(fmi::fmi2SetReal(importer.component, &raw const port::SPEED, 1, null()), ERROR);
     }
-    assert_eq!(importer.said(), "fmi2SetReal: `value` is a null pointer");
+    assert_eq!(importer.only_message(), "fmi2SetReal: `value` is a null pointer");
 }
 
 #[test]
-fn any_boolean_but_zero_is_true() {
+fn any_boolean_except_zero_is_true() {
     let importer = initializing();
     for (given, expected) in [(0, 1), (1, 0), (-7, 0)] {
         let mut inverse = 5;
@@ -142,9 +142,9 @@ fn texts_are_copied_and_stay_readable_while_others_are_read() {
     };
     assert_eq!(set(c"100 % grün #1".as_ptr()), OK);
     let (text, echo) = (get(port::TEXT), get(port::ECHO));
-    // SAFETY: both are valid until they are asked for again.
+    // SAFETY: both are valid until the next get of the same String.
     let texts = unsafe { [CStr::from_ptr(text), CStr::from_ptr(echo)] };
     assert_eq!(texts, [c"100 % grün #1"; 2]);
     assert_eq!(set(c"\xff\xfe".as_ptr()), ERROR);
-    assert!(importer.said().contains("the text for `text` is not UTF-8"));
+    assert!(importer.only_message().contains("the text for `text` is not UTF-8"));
 }

@@ -1,8 +1,8 @@
 //! Every call in every state: status and log category, compared with `walk.txt`.
 //!
-//! The file is section 4.2.4 of the standard as far as one instance can go (steps are synchronous), and what we decided
-//! beyond it: values may be read and inputs set before initialization, an experiment that was not set up is a warning,
-//! and after a panic an instance can only be read, reset and freed.
+//! The file contains section 4.2.4 of the standard for the states that an instance can reach (steps are synchronous),
+//! and the decisions of this project beyond it: values may be read and inputs set before initialization, an experiment
+//! that was not set up is a warning, and after a panic an instance can only be read, reset and freed.
 
 use crate::importer::{ERROR, Importer, OK};
 use crate::probe::{UNLUCKY_M_S, exported as fmi, port};
@@ -33,7 +33,7 @@ const STATES: [(&str, Bring); 7] = [
     ("panicked", || after_a_step(6)),
 ];
 
-/// An instance whose first step did what the item of `Deed` says.
+/// An instance whose first step was made with this item of `Deed`.
 fn after_a_step(deed: i32) -> Importer {
     let importer = Importer::new().started();
     assert_eq!((importer.set_integer(port::DEED, deed), importer.set_real(port::SPEED, UNLUCKY_M_S)), (OK, OK));
@@ -41,18 +41,18 @@ fn after_a_step(deed: i32) -> Importer {
     importer
 }
 
-/// The calls that take an instance and answer a status.
-fn walked() -> impl Iterator<Item = Call> {
+/// The calls that take an instance and return a status.
+fn tested_calls() -> impl Iterator<Item = Call> {
     let apart = [Call::GetTypesPlatform, Call::GetVersion, Call::Instantiate, Call::FreeInstance];
     Call::ALL.into_iter().filter(move |call| !apart.contains(call))
 }
 
-/// Makes a call that nothing but the state can make fail; `saved` is a state that the instance saved just before.
+/// Makes a call that can fail because of the state only; `saved` is a state that the instance saved just before.
 fn make(call: Call, importer: &Importer, saved: *mut c_void) -> i32 {
     let (c, vr) = (importer.component, [0_u32; 1]);
     let (mut real, mut integer, mut text, mut handle, mut size) = ([1.0], [1], [c"x".as_ptr()], saved, 0_usize);
     let (vr, mut bytes) = (vr.as_ptr(), [0_u8; 4096]);
-    // SAFETY: a live component; pointers to as many values as are said.
+    // SAFETY: a live component; pointers to as many values as the count.
     unsafe {
         match call {
             Call::SetDebugLogging => fmi::fmi2SetDebugLogging(c, 0, 0, null()),
@@ -99,13 +99,13 @@ fn make(call: Call, importer: &Importer, saved: *mut c_void) -> i32 {
     }
 }
 
-/// The table as text: a line for each call, a column for each state.
+/// The table of results as text: a line for each call, a column for each state.
 fn walk(make: fn(Call, &Importer, *mut c_void) -> i32) -> String {
     let mut table = format!("{:30}", "");
     for (state, _) in STATES {
         let _ = write!(table, "{state:26}");
     }
-    for call in walked() {
+    for call in tested_calls() {
         let _ = write!(table, "\n{:30}", call.name());
         for (_, bring) in STATES {
             let importer = bring();
@@ -114,9 +114,9 @@ fn walk(make: fn(Call, &Importer, *mut c_void) -> i32) -> String {
             importer.save(&mut handle);
             importer.messages();
             let status = make(call, &importer, handle);
-            let said: Vec<String> = importer.messages().into_iter().map(|message| message.category).collect();
+            let categories: Vec<String> = importer.messages().into_iter().map(|message| message.category).collect();
             let status = ["OK", "Warning", "Discard", "Error", "Fatal", "Pending"][status as usize];
-            let _ = write!(table, "{:26}", [&[status.to_owned()], said.as_slice()].concat().join(" "));
+            let _ = write!(table, "{:26}", [&[status.to_owned()], categories.as_slice()].concat().join(" "));
         }
     }
     let lines: Vec<&str> = table.lines().map(str::trim_end).collect();
@@ -124,14 +124,14 @@ fn walk(make: fn(Call, &Importer, *mut c_void) -> i32) -> String {
 }
 
 #[test]
-fn every_call_in_every_state_answers_as_written() {
+fn every_call_in_every_state_returns_the_expected_status() {
     let found = walk(make);
     let expected = include_str!("walk.txt");
     assert!(found == expected, "the walk goes otherwise; it now reads\n{found}");
 }
 
 #[test]
-fn the_walk_notices_a_call_that_does_something_else() {
+fn the_table_detects_a_call_that_does_something_else() {
     let planted = walk(|call, importer, saved| match call {
         Call::SetString => make(Call::GetString, importer, saved),
         _ => make(call, importer, saved),

@@ -1,4 +1,4 @@
-//! Roles with words that the standard's table does not allow together.
+//! Roles with attributes that the standard's table does not allow together.
 
 use fmu::Fmu;
 

@@ -1,4 +1,4 @@
-//! Outputs that depend on what does not exist, or is computed itself.
+//! Outputs that depend on ports that do not exist or are computed themselves.
 
 use fmu::Fmu;
 

@@ -1,4 +1,4 @@
-//! What only the types of the fields tell.
+//! Mistakes that only the types of the fields reveal.
 
 use fmu::{Fmu, Group};
 use nalgebra::Vector3;

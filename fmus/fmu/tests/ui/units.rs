@@ -1,4 +1,4 @@
-//! Units of measure that nobody knows, or that do not fit.
+//! Units of measure that are unknown or not compatible.
 
 use fmu::Fmu;
 
