@@ -1,4 +1,4 @@
-//! The attribute of one port: which words it may hold, by the role of the port.
+//! The attribute of one port: the keywords that it may contain, by the role of the port.
 
 use proc_macro2::Span;
 use syn::ext::IdentExt;
@@ -6,14 +6,14 @@ use syn::parse::ParseStream;
 use syn::punctuated::Punctuated;
 use syn::{Attribute, Error, Expr, Ident, LitStr, Meta, Result, Token, parenthesized, token};
 
-/// What a port is to its unit.
+/// Role of a port in its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     Input,
     Output,
     Parameter,
     Local,
-    /// A group whose fields say their roles.
+    /// A group whose fields declare their roles.
     Group,
     /// A field of a group that gets its role where the group is used.
     Port,
@@ -33,8 +33,8 @@ impl Role {
         Self::ALL.iter().find(|(_, role)| *role == self).map_or("", |(name, _)| name)
     }
 
-    /// The words that its attribute may hold.
-    fn words(self) -> &'static [&'static str] {
+    /// The keywords that its attribute may contain.
+    fn keywords(self) -> &'static [&'static str] {
         match self {
             Self::Input | Self::Port => &["start", "unit", "display", "min", "max", "nominal"],
             Self::Parameter => &["start", "tunable", "unit", "display", "min", "max", "nominal"],
@@ -48,7 +48,7 @@ impl Role {
 /// One attribute, `#[output(unit = "N", depends(rotor_speed))]`.
 pub struct PortAttribute {
     pub role: Role,
-    /// Where the role is written.
+    /// Position of the role, for error messages.
     pub span: Span,
     pub tunable: bool,
     pub start: Option<Expr>,
@@ -120,7 +120,7 @@ impl PortAttribute {
         while !input.is_empty() {
             let word = input.call(Ident::parse_any)?;
             let name = word.to_string();
-            if !self.role.words().contains(&name.as_str()) {
+            if !self.role.keywords().contains(&name.as_str()) {
                 return Err(Error::new(word.span(), self.why_not(&name)));
             }
             if seen.contains(&name) {
@@ -151,7 +151,7 @@ impl PortAttribute {
         Ok(())
     }
 
-    /// Why the attribute of this role does not hold the word.
+    /// Why the attribute of this role does not contain the keyword.
     fn why_not(&self, word: &str) -> String {
         let role = self.role.name();
         match (self.role, word) {
@@ -164,11 +164,13 @@ impl PortAttribute {
             }
             (_, "depends" | "init") => "only an output says what it depends on".to_owned(),
             (Role::Group, _) => format!("`group` takes nothing: its fields say `{word}`"),
-            _ => format!("`{word}` says nothing about {}; it may say {}", article(role), self.role.words().join(", ")),
+            _ => {
+                format!("`{word}` says nothing about {}; it may say {}", article(role), self.role.keywords().join(", "))
+            }
         }
     }
 
-    /// Combinations that the standard's table of causality, variability and initial leaves out.
+    /// Rejects combinations that the standard's table of causality, variability and initial does not allow.
     fn check(&self) -> Result<()> {
         let fail = |message: &str| Err(Error::new(self.span, message));
         match (self.role, &self.exact, &self.depends) {

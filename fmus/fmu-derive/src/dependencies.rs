@@ -1,11 +1,11 @@
-//! Checks that outputs depend on ports that are known before them.
+//! Checks that outputs depend only on ports that are not computed themselves.
 
 use crate::attribute::Dependency;
 use crate::field::{Field, collect};
 use syn::ext::IdentExt;
 use syn::{Error, Result};
 
-/// Every mistake in the `depends` of these fields.
+/// Reports every mistake in the `depends` of these fields.
 pub fn check(fields: &[Field]) -> Result<()> {
     let lists = fields.iter().filter_map(|field| field.port.as_ref());
     let all = lists.flat_map(|port| port.depends.iter().chain(&port.depends_at_start).flatten());

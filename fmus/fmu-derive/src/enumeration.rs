@@ -46,7 +46,7 @@ pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
             }
         }
 
-        // SAFETY: the enum shows itself as a whole.
+        // SAFETY: the enum passes itself as a whole.
         #[automatically_derived]
         unsafe impl ::fmu::Port for #ident {
             type Start = Self;
@@ -68,7 +68,7 @@ pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
     })
 }
 
-/// The value of a variant: what is written, or one more than the last.
+/// The value of a variant: its discriminant, or one more than the previous value.
 fn value(variant: &Variant, next: i32) -> Result<i32> {
     if !matches!(variant.fields, Fields::Unit) {
         return Err(Error::new_spanned(variant, "an item of an enumeration carries no data"));

@@ -10,7 +10,7 @@ pub struct Field {
     pub ident: Ident,
     pub ty: Type,
     pub description: String,
-    /// Nothing for hidden state.
+    /// `None` for hidden state.
     pub port: Option<PortAttribute>,
 }
 
@@ -19,7 +19,7 @@ impl Field {
         self.ident.unraw().to_string()
     }
 
-    /// Whether it can be among the things on which an output depends.
+    /// Whether an output may depend on it.
     pub fn can_be_known(&self) -> bool {
         self.port.as_ref().is_some_and(|port| match port.role {
             Role::Input | Role::Parameter | Role::Group => true,
@@ -29,7 +29,7 @@ impl Field {
     }
 }
 
-/// The fields of a struct; all mistakes in their attributes at once.
+/// The fields of a struct, or all mistakes in their attributes at once.
 pub fn fields(input: &DeriveInput) -> Result<Vec<Field>> {
     if !input.generics.params.is_empty() {
         return Err(Error::new_spanned(&input.generics, "a unit or group has no generic parameters"));

@@ -1,4 +1,4 @@
-//! From fields to code: start values, declarations, and checks that need the types.
+//! Generates code from fields: start values, declarations, and checks that need the types.
 
 use crate::attribute::{Dependency, PortAttribute, Role};
 use crate::field::Field;
@@ -89,7 +89,8 @@ fn role(port: &PortAttribute) -> TokenStream {
     }
 }
 
-/// What only the types know: whether a unit is missing or too much, whose roles and start values count.
+/// Checks in the generated code that need the types: whether a unit is missing or superfluous, and whether roles and
+/// start values are those of the field or of its type.
 pub fn checks(fields: &[Field]) -> Vec<TokenStream> {
     let mut checks = Vec::new();
     for field in fields {

@@ -12,21 +12,22 @@ mod unit;
 use proc_macro::TokenStream;
 use syn::{DeriveInput, parse_macro_input};
 
-/// The ports of a unit: every field says with `input`, `output`, `parameter`, `local` or `group` what it is; an unmarked
-/// field is hidden state.
+/// The ports of a unit: `input`, `output`, `parameter`, `local` or `group` declares the role of a field; a field
+/// without any is hidden state.
 #[proc_macro_derive(Fmu, attributes(fmu, input, output, parameter, local, group, port))]
 pub fn derive_fmu(input: TokenStream) -> TokenStream {
     expand(parse_macro_input!(input as DeriveInput), unit::derive_fmu)
 }
 
 /// A group of ports: either every field is marked `port` and the whole group gets its role where it is used, or the
-/// fields say their roles themselves.
+/// fields declare their own roles.
 #[proc_macro_derive(Group, attributes(input, output, parameter, local, group, port))]
 pub fn derive_group(input: TokenStream) -> TokenStream {
     expand(parse_macro_input!(input as DeriveInput), unit::derive_group)
 }
 
-/// An enumeration type: items are the variants in snake case, values count from 1 unless they are written.
+/// An enumeration type: items are the variants in snake case, values count from 1 unless the variants have
+/// discriminants.
 #[proc_macro_derive(FmiEnum)]
 pub fn derive_enum(input: TokenStream) -> TokenStream {
     expand(parse_macro_input!(input as DeriveInput), enumeration::derive)

@@ -76,7 +76,7 @@ pub fn derive_group(input: &DeriveInput) -> Result<TokenStream> {
     })
 }
 
-/// Whether the fields of a group say their roles; they all do or none does.
+/// Whether the fields of a group declare their own roles; all do or none does.
 fn own_roles(fields: &[Field]) -> Result<bool> {
     let mut ports = fields.iter().filter_map(|field| field.port.as_ref());
     let Some(first) = ports.next() else { return Ok(false) };
