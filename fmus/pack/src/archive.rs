@@ -1,4 +1,4 @@
-//! Puts an `.fmu` file together: sorted entries, one fixed date, one compression level.
+//! Writes an `.fmu` file: sorted entries, one fixed date, one compression level.
 
 use crate::{PackError, UnitCrate};
 use std::collections::BTreeMap;
@@ -6,7 +6,7 @@ use std::io::{Cursor, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 
-/// Writes the archive of a unit; a file appears only when it is whole.
+/// Writes the archive of a unit; the file appears only when it is complete.
 pub(crate) fn write(unit: &UnitCrate, library: &Path, xml: &str, archive: &Path) -> Result<(), PackError> {
     check(unit, xml)?;
     let bytes = zipped(unit, &entries(unit, library, xml)?)?;
@@ -20,7 +20,7 @@ pub(crate) fn write(unit: &UnitCrate, library: &Path, xml: &str, archive: &Path)
     Ok(())
 }
 
-/// Temporary files are private; a packed unit is for everybody.
+/// Makes the file readable for all users; temporary files are private by default.
 #[cfg(unix)]
 fn make_readable(file: &std::fs::File) -> std::io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
@@ -32,7 +32,7 @@ fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
     Ok(())
 }
 
-/// A unit of ours keeps every rule of the standard.
+/// Checks that the description breaks no rule of the standard.
 fn check(unit: &UnitCrate, xml: &str) -> Result<(), PackError> {
     let rules = |findings: Vec<String>| PackError::Rules { unit: unit.name.clone(), findings: findings.join("\n") };
     let (description, mut findings) =
@@ -73,7 +73,7 @@ fn entries(unit: &UnitCrate, library: &Path, xml: &str) -> Result<BTreeMap<Strin
     Ok(entries)
 }
 
-/// The README as a page of its own.
+/// The README as an HTML page.
 fn page(title: &str, markdown: &str) -> String {
     let mut body = String::new();
     let options = pulldown_cmark::Options::ENABLE_TABLES;

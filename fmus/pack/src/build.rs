@@ -1,12 +1,12 @@
-//! Builds the library of a unit crate with cargo, so that equal sources give equal bytes wherever they lie.
+//! Builds the library of a unit crate with cargo, so that equal sources give equal bytes whatever their path.
 
 use crate::{PackError, UnitCrate};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The profile of units; given on cargo's command line, so that a unit outside this repository needs none of its own.
-/// Panics must unwind: the export layer turns them into `fmi2Error`.
+/// The profile of units; passed on cargo's command line, so that a unit outside this repository needs none of its own.
+/// Panics must unwind, because the export layer converts them to `fmi2Error`.
 const PROFILE: [&str; 6] = [
     r#"profile.unit.inherits="release""#,
     "profile.unit.debug=false",
@@ -71,7 +71,7 @@ fn flags(unit: &UnitCrate) -> Result<Vec<String>, PackError> {
     Ok(remaps(&unit.workspace, &metadata.packages))
 }
 
-/// One remap for each folder that sources come from. rustc applies the last that fits, so the longest stand last.
+/// One remap for each folder of sources. rustc applies the last one that matches, so the longest are last.
 fn remaps(workspace: &Path, packages: &[MetadataPackage]) -> Vec<String> {
     let mut folders = vec![(workspace.to_path_buf(), "workspace".to_owned())];
     for package in packages {
@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn folders_of_sources_lose_their_paths() {
+    fn folders_of_sources_are_remapped() {
         let package = |name: &str, path: &str, source: Option<&str>| MetadataPackage {
             name: name.to_owned(),
             manifest_path: PathBuf::from(path),

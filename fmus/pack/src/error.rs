@@ -10,12 +10,12 @@ pub enum PackError {
     File {
         /// The file.
         path: PathBuf,
-        /// What was being done, `read` or `write`.
+        /// The operation, `read` or `write`.
         doing: &'static str,
-        /// The system's answer.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// A `Cargo.toml` is no unit crate's.
+    /// A `Cargo.toml` is not that of a unit crate.
     NoUnit {
         /// The manifest.
         manifest: PathBuf,
@@ -24,17 +24,17 @@ pub enum PackError {
     },
     /// cargo could not be started.
     NoCargo(std::io::Error),
-    /// cargo ended with an error, which it has told on standard error.
+    /// cargo ended with an error, which it has reported on standard error.
     Build {
         /// The unit.
         unit: String,
     },
-    /// cargo did not say where the library is.
+    /// cargo did not report the path of the library.
     NoLibrary {
         /// The unit.
         unit: String,
     },
-    /// The library did not give its description.
+    /// The library did not return its description.
     Describe {
         /// The unit.
         unit: String,
@@ -48,7 +48,7 @@ pub enum PackError {
         /// The findings, one a line.
         findings: String,
     },
-    /// The archive could not be put together.
+    /// The archive could not be written.
     Archive {
         /// The unit.
         unit: String,

@@ -5,9 +5,9 @@
 //! ```
 //!
 //! A unit crate is a package with a `[package.metadata.fmu]` table and a `cdylib` target. Two clones at different paths
-//! give the same bytes: paths are remapped, entries are sorted, nothing carries a date.
+//! give the same bytes: paths are remapped, entries are sorted, dates are fixed.
 //!
-//! This crate runs no code of a unit: whoever calls [`pack`] hands in how a library is asked for its description.
+//! This crate runs no code of a unit: the caller of [`pack`] passes a function that reads the description of a library.
 #![forbid(unsafe_code)]
 
 mod archive;
@@ -23,13 +23,13 @@ pub use unit_crate::{UnitCrate, Workspace};
 
 use std::path::{Path, PathBuf};
 
-/// Asks a unit's library for its `modelDescription.xml`.
+/// Reads `modelDescription.xml` from a unit's library.
 pub type Describe<'a> = &'a dyn Fn(&Path) -> Result<String, String>;
 
 /// Builds a unit and packs it into `archive`.
 ///
 /// # Errors
-/// Says what failed: cargo, the library's description, a rule of the standard, or writing the file.
+/// If cargo, the library's description, a rule of the standard, or writing the file fails.
 pub fn pack(unit: &UnitCrate, describe: Describe<'_>, archive: &Path) -> Result<PathBuf, PackError> {
     let library = build(unit)?;
     let description = describe(&library).map_err(|reason| PackError::Describe { unit: unit.name.clone(), reason })?;

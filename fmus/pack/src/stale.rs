@@ -1,11 +1,11 @@
-//! Tells whether a packed unit is older than what it was built from, without starting cargo.
+//! Determines whether a packed unit is older than its sources, without starting cargo.
 
 use crate::UnitCrate;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Whether the archive is missing or older than a source of its unit: what cargo's dep-info file lists, the manifests,
-/// the lock file, and what is packed beside the library.
+/// Whether the archive is missing or older than a source of its unit: the files in cargo's dep-info file, the
+/// manifests, the lock file, and the files packed beside the library.
 #[must_use]
 pub fn is_stale(unit: &UnitCrate, archive: &Path) -> bool {
     let Some(packed) = modified(archive) else { return true };
@@ -35,7 +35,7 @@ mod tests {
     use std::time::Duration;
 
     #[test]
-    fn names_with_blanks_in_dep_info_stay_whole() {
+    fn names_with_blanks_in_dep_info_are_not_split() {
         assert_eq!(
             sources("/t/libx.so: /a/b.rs /a/my\\ file.rs\n"),
             [Path::new("/a/b.rs"), Path::new("/a/my file.rs")]
@@ -43,7 +43,7 @@ mod tests {
     }
 
     #[test]
-    fn an_archive_is_stale_once_a_listed_source_is_newer_or_gone() {
+    fn an_archive_is_stale_once_a_listed_source_is_newer_or_missing() {
         let root = tempfile::tempdir().unwrap();
         let unit = UnitCrate { name: "x".into(), folder: root.path().into(), workspace: root.path().into() };
         let source = root.path().join("lib.rs");

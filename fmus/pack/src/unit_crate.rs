@@ -1,4 +1,4 @@
-//! Unit crates and the workspace they stand in, read from `Cargo.toml` files without starting cargo.
+//! Unit crates and their workspace, read from `Cargo.toml` files without starting cargo.
 
 use crate::PackError;
 use serde::Deserialize;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// A package with `[package.metadata.fmu]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnitCrate {
-    /// The package's name, which is the unit's.
+    /// The package's name, which is the name of the unit.
     pub name: String,
     /// The package's folder.
     pub folder: PathBuf,
@@ -56,7 +56,7 @@ impl UnitCrate {
     /// Reads the unit crate in a folder.
     ///
     /// # Errors
-    /// If there is no `Cargo.toml`, or none with a `[package.metadata.fmu]` table.
+    /// If there is no `Cargo.toml`, or it has no `[package.metadata.fmu]` table.
     pub fn at(folder: &Path) -> Result<Self, PackError> {
         let manifest = folder.join("Cargo.toml");
         let workspace = workspace_folder(folder)?.unwrap_or_else(|| folder.to_path_buf());
@@ -75,13 +75,13 @@ impl UnitCrate {
         })
     }
 
-    /// Where builds of this unit go: what `CARGO_TARGET_DIR` says, else `target` in the workspace.
+    /// The target folder of builds of this unit: `CARGO_TARGET_DIR`, else `target` in the workspace.
     #[must_use]
     pub fn target_folder(&self) -> PathBuf {
         std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| self.workspace.join("target"), PathBuf::from)
     }
 
-    /// Where the packed unit lies unless its user says otherwise.
+    /// The default path of the packed unit.
     #[must_use]
     pub fn archive(&self) -> PathBuf {
         self.target_folder().join("fmus").join(format!("{}.fmu", self.name))
@@ -98,7 +98,7 @@ impl Workspace {
     /// The workspace or single package that a folder is in; `None` outside of any.
     ///
     /// # Errors
-    /// If a `Cargo.toml` on the way cannot be read.
+    /// If a `Cargo.toml` in the folder or above it cannot be read.
     pub fn around(folder: &Path) -> Result<Option<Self>, PackError> {
         let Some(root) = workspace_folder(folder)? else { return Ok(None) };
         let manifest = read(&root.join("Cargo.toml"))?;
@@ -126,7 +126,7 @@ fn workspace_folder(folder: &Path) -> Result<Option<PathBuf>, PackError> {
     Ok(nearest)
 }
 
-/// A member of a workspace, or all folders that a closing `*` stands for, in order of name.
+/// The folder of a workspace member, or all folders that a trailing `*` matches, in order of name.
 fn member_folders(root: &Path, member: &str) -> Vec<PathBuf> {
     let Some(parent) = member.strip_suffix("/*") else { return vec![root.join(member)] };
     let entries = std::fs::read_dir(root.join(parent)).into_iter().flatten().flatten();
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn a_workspace_knows_the_members_that_are_units() {
+    fn a_workspace_lists_the_members_that_are_units() {
         let root = example();
         let workspace = Workspace::around(&root.path().join("more/plain")).unwrap().unwrap();
         let names: Vec<_> = workspace.units.iter().map(|unit| unit.name.as_str()).collect();
@@ -163,14 +163,14 @@ mod tests {
     }
 
     #[test]
-    fn a_package_without_the_table_is_no_unit() {
+    fn a_package_without_the_table_is_not_a_unit() {
         let root = example();
         let error = UnitCrate::at(&root.path().join("more/plain")).unwrap_err().to_string();
         assert!(error.ends_with("it needs a [package] with a [package.metadata.fmu] table"), "{error}");
     }
 
     #[test]
-    fn a_package_in_no_workspace_is_its_own() {
+    fn a_package_without_a_workspace_is_its_own_workspace() {
         let root = tempfile::tempdir().unwrap();
         write(&root.path().join("Cargo.toml"), "[package]\nname = \"solo\"\n[package.metadata.fmu]\n");
         let unit = UnitCrate::at(root.path()).unwrap();
