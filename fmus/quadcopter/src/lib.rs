@@ -5,7 +5,7 @@ use models::quadcopter::{GroundTurbulence, INNER_STEP_S, Inputs, Parameters, Sta
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// The airframe that parameters start from.
+/// The airframe of the parameters' start values.
 fn airframe() -> Parameters {
     Parameters::default()
 }

@@ -9,7 +9,7 @@ mod gains;
 
 use gains::Gains;
 
-/// The airframe and limits that parameters start from.
+/// The airframe and limits of the parameters' start values.
 fn airframe() -> Parameters {
     Parameters::default()
 }
