@@ -1,3 +1,3 @@
 #!/bin/sh
-# A process in the place of a worker, for tests that answer in its stead.
+# A process that replaces a worker in tests that answer for it.
 exec sleep 60

@@ -4,16 +4,17 @@
  *
  * -DMISBEHAVE_CALL=<call> -DMISBEHAVE_HOW=<how> make it misbehave:
  *   call: LOAD INSTANTIATE SETUP ENTER EXIT GET SET STEP TERMINATE FREE
- *   how:  CRASH ABORT EXIT_0 EXIT_3 HANG SPIN OVERFLOW_STACK          the process suffers
+ *   how:  CRASH ABORT EXIT_0 EXIT_3 HANG SPIN OVERFLOW_STACK          the process ends or does not return
  *         WARNING DISCARD ERROR_STATUS FATAL PENDING STATUS_42        a status is returned
- *         TERMINATED                                                  Discard, and done for good at the step's middle
- *         NOT_A_NUMBER                                                y is NaN from then on
+ *         TERMINATED                                                  Discard, and terminated at the middle of the step
+ *         NOT_A_NUMBER                                                y is NaN from that time on
  *         NO_INSTANCE                                                 NULL, in INSTANTIATE
- * -DMISBEHAVE_FROM_S=<seconds> says from which time on in GET, SET and STEP; 0 unless given.
+ * -DMISBEHAVE_FROM_S=<seconds> is the time from which GET, SET and STEP misbehave; 0 by default.
  * -DSTEP_TAKES_US=<microseconds> makes each step slow.
- * -DVERSION, -DTYPES_PLATFORM change what the unit says of itself, -DWITHOUT_SET_STRING and -DWITHOUT_STATUS leave
- * functions out, so does -DWITHOUT_STATES; -DWITH_STATES saves and restores states. -DNEEDS_SYMBOL refers to a function that nobody has, -DDISTURB changes rounding mode and working
- * directory while it is instantiated.
+ * -DVERSION and -DTYPES_PLATFORM change the strings that fmi2GetVersion and fmi2GetTypesPlatform return.
+ * -DWITHOUT_SET_STRING, -DWITHOUT_STATUS and -DWITHOUT_STATES leave functions out; -DWITH_STATES saves and restores
+ * states. -DNEEDS_SYMBOL refers to an undefined function. -DDISTURB changes rounding mode and working directory during
+ * instantiation.
  */
 #include <math.h>
 #include <stddef.h>
@@ -60,7 +61,7 @@ struct callbacks {
 };
 
 struct unit {
-    const struct callbacks *callbacks; /* kept, as many units do */
+    const struct callbacks *callbacks; /* a pointer to the importer's struct, not a copy, as in many units */
     char *name;
     char label[64];
     double time, u, gain, y, reached;
@@ -71,7 +72,7 @@ struct unit {
 #define LOG(unit, status, category, ...) \
     (unit)->callbacks->logger((unit)->callbacks->environment, (unit)->name, status, category, __VA_ARGS__)
 
-/* The compiler must not know where it points. */
+/* Volatile, so that the compiler cannot know that it is NULL. */
 static int *volatile nowhere = NULL;
 
 static int overflow(volatile char *above) {
@@ -80,7 +81,7 @@ static int overflow(volatile char *above) {
     return overflow(frame) + frame[1];
 }
 
-/* Does what was asked for, if this is the call; the status to return, or -1 for business as usual. */
+/* Misbehaves if this is the configured call; returns the status to return, or -1 to continue normally. */
 static int misbehave(enum call call, double time) {
     char start = 0;
     if (call != MISBEHAVE_CALL || time < MISBEHAVE_FROM_S) return -1;
@@ -214,7 +215,7 @@ EXPORT int fmi2SetInteger(struct unit *unit, const unsigned vr[], size_t count, 
     return count ? STATUS_ERROR : OK;
 }
 EXPORT int fmi2GetBoolean(struct unit *unit, const unsigned vr[], size_t count, int value[]) {
-    /* Any number but zero is true. */
+    /* Any number except zero is true. */
     for (size_t i = 0; i < count; i++) { if (vr[i]) return STATUS_ERROR; value[i] = unit->enabled ? -7 : 0; }
     return OK;
 }
@@ -270,7 +271,7 @@ EXPORT int fmi2GetStringStatus(struct unit *unit, int kind, const char **value) 
 #endif
 
 #ifdef WITH_STATES
-/* A state is a copy of the whole, in memory of the importer; whose it is does not change with it. */
+/* A state is a copy of the whole struct, in memory from the importer; callbacks and name are not restored. */
 EXPORT int fmi2GetFMUstate(struct unit *unit, void **state) {
     if (!*state) *state = unit->callbacks->allocate(1, sizeof *unit);
     if (!*state) return STATUS_ERROR;
@@ -299,7 +300,7 @@ EXPORT int fmi2SerializeFMUstate(struct unit *unit, void *state, char bytes[], s
     (void)unit;
     if (size < sizeof(struct unit)) return STATUS_ERROR;
     memcpy(bytes, state, sizeof(struct unit));
-    /* Addresses mean nothing to whoever reads it. */
+    /* Addresses are not valid for the reader of the bytes. */
     memset(bytes, 0, offsetof(struct unit, label));
     return OK;
 }
@@ -315,7 +316,7 @@ EXPORT int fmi2DeSerializeFMUstate(struct unit *unit, const char bytes[], size_t
 }
 #endif
 
-/* Capabilities that the description does not claim: exported, and refused. */
+/* Capabilities that the description does not declare: exported, but they return an error. */
 #define REFUSED(name, ...) EXPORT int name(__VA_ARGS__) { return STATUS_ERROR; }
 #if !defined WITH_STATES && !defined WITHOUT_STATES
 REFUSED(fmi2GetFMUstate, void *unit, void **state)

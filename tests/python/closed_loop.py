@@ -1,4 +1,4 @@
-"""The closed loop of `scenarios/first_flight.scn`, wired by hand over FMPy's own fmi2 calls."""
+"""The closed loop of `scenarios/first_flight.scn`, connected by hand with FMPy's own fmi2 calls."""
 
 import math
 from contextlib import ExitStack
@@ -18,12 +18,12 @@ UNITS = {"path": "trajectory", "air": "wind", "ctrl": "quadcopter_controller", "
 
 
 def seconds(tick):
-    """Time of a tick, from whole nanoseconds."""
+    """Time of a tick, computed from whole nanoseconds."""
     return tick * STEP_NS / 1e9
 
 
 class Loop:
-    """The four instances and what each of them showed last."""
+    """The four instances and the last outputs of each."""
 
     def __init__(self, archives, values, disturbance, stack):
         self.archives = {name: archives[unit] for name, unit in UNITS.items()}
@@ -32,22 +32,22 @@ class Loop:
         for name, unit in self.units.items():
             unit.fmu.setupExperiment(startTime=0.0)
             unit.set(values.get(name, {}))
-        self.shown, self.acted = {}, {name: {} for name in UNITS}
+        self.outputs, self.inputs = {}, {name: {} for name in UNITS}
 
     def gather(self, name):
-        self.shown[name] = self.units[name].get(self.archives[name].names("output"))
+        self.outputs[name] = self.units[name].get(self.archives[name].names("output"))
 
     def drive(self, name, values):
         self.units[name].set(values)
-        self.acted[name] |= values
+        self.inputs[name] |= values
 
     def carry(self, source, prefix, target, port):
-        """Brings what a source showed to a group of inputs, as far as the group has its members."""
+        """Copies the last outputs of a source to a group of inputs, for the members that the group has."""
         members = self.archives[target].group(port)
-        self.drive(target, {f"{port}{m}": self.shown[source][f"{prefix}{m}"] for m in members})
+        self.drive(target, {f"{port}{m}": self.outputs[source][f"{prefix}{m}"] for m in members})
 
     def initialize(self):
-        """Values go along the declared dependencies of the start: first path, ctrl and quad's states, then air."""
+        """Initializes in the order of the declared dependencies: path, ctrl and quad's states, then air."""
         for unit in self.units.values():
             unit.fmu.enterInitializationMode()
         self.drive("quad", self.disturbance(0.0))
@@ -62,7 +62,7 @@ class Loop:
             unit.fmu.exitInitializationMode()
 
     def carry_held(self):
-        """The connections written `->`."""
+        """Copies the values of the connections written `->`."""
         self.carry("quad", "state", "ctrl", "state")
         self.carry("quad", "state", "air", "vehicle")
         self.carry("quad", "contact", "ctrl", "contact")
@@ -71,7 +71,7 @@ class Loop:
         self.carry("air", "speed", "ctrl", "wind_speed")
 
     def step(self, tick):
-        """One step of all units, the controller before the quadcopter: `ctrl.rotor_speed => quad.rotor_speed`."""
+        """Makes one step of all units, the controller before the quadcopter: `ctrl.rotor_speed => quad.rotor_speed`."""
         self.carry_held()
         self.drive("quad", self.disturbance(seconds(tick)))
         for name in ("path", "air", "ctrl"):
@@ -88,15 +88,15 @@ def named(values):
     return {f"{name}.{port}": value for name, ports in values.items() for port, value in ports.items()}
 
 
-def fly(archives, ticks, values=FIRST_FLIGHT, disturbance=lambda _: {}):
-    """Outputs at each tick and the inputs that acted from it on, by `instance.port`; `disturbance(t)` drives quad."""
+def simulate(archives, ticks, values=FIRST_FLIGHT, disturbance=lambda _: {}):
+    """Outputs at each tick and the inputs applied from it on, by `instance.port`; `disturbance(t)` drives quad."""
     with ExitStack() as stack:
         loop = Loop(archives, values, disturbance, stack)
         loop.initialize()
         rows = []
         for tick in range(ticks):
-            shown = named(loop.shown)
+            shown = named(loop.outputs)
             loop.step(tick)
-            rows.append({"time": seconds(tick), **shown, **named(loop.acted)})
-        rows.append({"time": seconds(ticks), **named(loop.shown), **named(loop.acted)})
+            rows.append({"time": seconds(tick), **shown, **named(loop.inputs)})
+        rows.append({"time": seconds(ticks), **named(loop.outputs), **named(loop.inputs)})
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}

@@ -1,4 +1,4 @@
-"""Where the tests find the program and the packed units; a missing one is an error, never a skip."""
+"""Locates the program and the packed units for the tests; a missing one is an error, never a skip."""
 
 import os
 import subprocess
@@ -77,8 +77,8 @@ def lockstep(tmp_path):
 
 
 @pytest.fixture
-def fly(lockstep, tmp_path):
-    """Runs a scenario on the packed units; the finished process and the folder of the run."""
+def run_scenario(lockstep, tmp_path):
+    """Runs a scenario on the packed units; returns the finished process and the folder of the run."""
 
     def run(scenario, *arguments, name="run", **keywords):
         out = tmp_path / name

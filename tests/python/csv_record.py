@@ -13,7 +13,7 @@ def read(path):
 
 
 def text(columns):
-    """The file's text for columns by name; Booleans as 0 and 1."""
+    """Text of the file for columns by name; Booleans as 0 and 1."""
     rows = zip(*([shortest(value) for value in np.asarray(column).tolist()] for column in columns.values()))
     lines = [",".join(f'"{name}"' if "," in name else name for name in columns), *(",".join(row) for row in rows)]
     return "\n".join(lines) + "\n"
@@ -30,5 +30,5 @@ def for_fmpy(columns):
 
 
 def same_bits(a, b):
-    """Whether two columns hold the same numbers to the last bit."""
+    """Whether two columns have the same numbers to the last bit."""
     return np.asarray(a, float).tobytes() == np.asarray(b, float).tobytes()

@@ -1,4 +1,4 @@
-"""Units over FMPy's own fmi2 calls, with their variables by name."""
+"""Units called through FMPy's own fmi2 calls, with their variables by name."""
 
 import fmpy
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
@@ -22,7 +22,7 @@ class Archive:
         return [name for name, variable in self.variables.items() if variable.causality == causality]
 
     def group(self, prefix):
-        """Members of a group: what follows its name."""
+        """Members of a group: the part of the variable names after the group's name."""
         members = [name for name in self.variables if name.startswith((f"{prefix}.", f"{prefix}["))]
         return [name.removeprefix(prefix) for name in members or [prefix]]
 
@@ -33,7 +33,7 @@ class Archive:
 
 
 class Instance:
-    """A unit that is loaded; `messages` keeps what it said."""
+    """A loaded unit; `messages` collects its log messages."""
 
     def __init__(self, archive, name="instance", logging=False):
         self.archive, self.messages = archive, []
@@ -55,7 +55,7 @@ class Instance:
         self.fmu.freeInstance()
 
     def initialize(self, values=(), start=0.0):
-        """From instantiated to stepping, with values that hold from the start."""
+        """Initializes the instance for stepping, with values that hold from the start."""
         self.fmu.setupExperiment(startTime=start)
         self.set(dict(values))
         self.fmu.enterInitializationMode()

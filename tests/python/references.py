@@ -1,7 +1,7 @@
-"""Expected runs of the units: `python tests/python/references.py FMUS --write` makes their input and result records.
+"""Reference runs of the units: `python tests/python/references.py FMUS --write` writes their input and result records.
 
-An input record has one row for each communication step, at the float that FMPy computes for it, so that no importer
-interpolates. Every nth row of the result is kept, the last among them, n so that at most 501 are.
+An input record has one row for each communication step, at the float that FMPy computes for its time, so that no
+importer interpolates. Every nth row of the result is kept, including the last one; n is such that at most 501 are kept.
 """
 
 import argparse
@@ -32,14 +32,14 @@ def simulated(archive, inputs=None):
 
 
 def typed(archive, inputs):
-    """The columns of a record in the types of the variables."""
+    """The columns of a record, converted to the types of the variables."""
     whole = ("Integer", "Boolean", "Enumeration")
     kinds = {name: int if name != "time" and archive.variables[name].type in whole else float for name in inputs}
     return {name: np.asarray(column).astype(kinds[name]) for name, column in inputs.items()}
 
 
 def instants(archive):
-    """Communication points as FMPy counts them."""
+    """Communication points as FMPy computes them."""
     return np.arange(round(archive.stop / archive.step) + 1) * archive.step
 
 
@@ -52,7 +52,7 @@ def rest_to_rest(t):
 
 
 def setpoint(t):
-    """A flight of ten seconds: up to 1.5 m in three, then to the side and back while the heading turns."""
+    """A setpoint for ten seconds: up to 1.5 m in three seconds, then to the side and back while the heading turns."""
     rise, sink, along, across = (rest_to_rest(x) for x in (t / 3, (t - 7.5) / 2.5, (t - 2) / 4, (t - 4) / 5))
     columns = {}
     for order, name in enumerate(("position", "velocity", "acceleration")):
@@ -66,7 +66,7 @@ def setpoint(t):
 
 
 def breeze(t):
-    """Wind that swells, turns and lifts."""
+    """Wind with varying speed, direction and vertical component."""
     return {"wind.x": 2.5 * np.sin(0.9 * t), "wind.y": 1.5 + np.cos(1.7 * t), "wind.z": 0.4 * np.sin(3.1 * t)}
 
 
@@ -78,12 +78,12 @@ def row(columns, k):
     return {name: column[k] for name, column in columns.items()}
 
 
-def flown_quadcopter(quadcopter, controller):
-    """Inputs of a quadcopter that its controller flew, and that flight's states; one rotor weakens for a while."""
+def controlled_quadcopter(quadcopter, controller):
+    """Inputs and states of a quadcopter under its controller, and the setpoints; one rotor is weaker for a second."""
     time = instants(quadcopter)
     given = rounded(breeze(time), 3) | {f"effectiveness[{i}]": np.ones(len(time)) for i in range(1, 5)}
     given["effectiveness[3]"] = np.round(1 - 0.06 * ((time > 5) & (time < 6)), 2)
-    wanted = rounded(setpoint(time), 6)
+    setpoints = rounded(setpoint(time), 6)
     members = quadcopter.group("state")
     commands, states = [], []
     with Instance(quadcopter, "quad") as quad, Instance(controller, "ctrl") as ctrl:
@@ -92,36 +92,36 @@ def flown_quadcopter(quadcopter, controller):
         for k, now in enumerate(time):
             states.append(list(quad.get([f"state{member}" for member in members]).values()))
             seen = {f"state{member}": value for member, value in zip(members, states[-1])}
-            ctrl.set(seen | row(wanted, k))
+            ctrl.set(seen | row(setpoints, k))
             ctrl.step(now, controller.step)
             command = ctrl.get([f"rotor_speed[{i}]" for i in range(1, 5)])
             commands.append([round(value, 3) for value in command.values()])
             quad.set(dict(zip(command, commands[-1])) | row(given, k))
             quad.step(now, quadcopter.step)
     rotors = {f"rotor_speed[{i + 1}]": column for i, column in enumerate(np.array(commands).T)}
-    flown = {f"state{member}": column for member, column in zip(members, np.array(states).T)}
-    return {"time": time} | rotors | given, flown, wanted
+    motion = {f"state{member}": column for member, column in zip(members, np.array(states).T)}
+    return {"time": time} | rotors | given, motion, setpoints
 
 
 def inputs_of_quadcopter(archives):
-    """Take-off from the ground, turning and drifting in a changing wind, one rotor weak for a second."""
-    return flown_quadcopter(archives["quadcopter"], archives["quadcopter_controller"])[0]
+    """Take-off from the ground, turning and drifting in a changing wind, one rotor weaker for a second."""
+    return controlled_quadcopter(archives["quadcopter"], archives["quadcopter_controller"])[0]
 
 
 def inputs_of_controller(archives):
-    """The same flight as the controller sees it, with a limp and a wind that mode q2 does not ask for."""
+    """The same motion as inputs of the controller, with an added oscillation and inputs that mode q2 does not use."""
     archive = archives["quadcopter_controller"]
     time = instants(archive)
-    _, flown, wanted = flown_quadcopter(archives["quadcopter"], archive)
-    near = {name: column[: len(time)] for name, column in (rounded(flown, 6) | wanted).items()}
+    _, motion, setpoints = controlled_quadcopter(archives["quadcopter"], archive)
+    near = {name: column[: len(time)] for name, column in (rounded(motion, 6) | setpoints).items()}
     near["state.position.x"] = np.round(near["state.position.x"] + 0.4 * np.sin(2 * time), 6)
-    unasked = {"contact": near["state.position.z"] <= 0, "wind_speed": np.round(2 + np.sin(time), 3)}
+    unused = {"contact": near["state.position.z"] <= 0, "wind_speed": np.round(2 + np.sin(time), 3)}
     healthy = {f"effectiveness[{i}]": np.ones(len(time)) for i in range(1, 5)}
-    return {"time": time} | near | unasked | healthy
+    return {"time": time} | near | unused | healthy
 
 
 def inputs_of_wind(archives):
-    """A vehicle climbs through a wind that turns; the tunable parameter `turbulence` is part of the record."""
+    """A vehicle that climbs in a wind that turns; the tunable parameter `turbulence` is part of the record."""
     time = instants(archives["wind"])
     vehicle = {
         "vehicle.position.x": 2 * time, "vehicle.position.y": 3 * np.sin(0.5 * time),

@@ -1,4 +1,4 @@
-"""`lockstep run` and a loop that is wired by hand over FMPy agree in every column, at every step, to the last bit."""
+"""`lockstep run` and a loop that is connected by hand with FMPy agree in every column and step to the last bit."""
 
 import numpy as np
 import pytest
@@ -10,23 +10,23 @@ TICKS = 16800
 
 
 @pytest.fixture(scope="module")
-def flight(archives):
-    """The whole flight A to H in Python."""
-    return closed_loop.fly(archives, TICKS)
+def simulated(archives):
+    """The whole flight A to H, simulated in Python."""
+    return closed_loop.simulate(archives, TICKS)
 
 
-def test_the_flight_wired_by_hand_tracks_tilts_and_lands(flight):
-    error = [flight[f"quad.state.position.{a}"] - flight[f"path.setpoint.position.{a}"] for a in "xyz"]
+def test_the_loop_connected_by_hand_tracks_the_setpoint_tilts_and_lands(simulated):
+    error = [simulated[f"quad.state.position.{a}"] - simulated[f"path.setpoint.position.{a}"] for a in "xyz"]
     assert 0.2 < np.max(np.linalg.norm(error, axis=0)) < 0.8
-    assert np.max(np.abs([flight["quad.roll"], flight["quad.pitch"]])) < np.radians(25)
-    assert np.any(flight["path.finished"] & (flight["quad.height"] < 0.1))
-    assert np.std(flight["air.speed"]) > 0.1
+    assert np.max(np.abs([simulated["quad.roll"], simulated["quad.pitch"]])) < np.radians(25)
+    assert np.any(simulated["path.finished"] & (simulated["quad.height"] < 0.1))
+    assert np.std(simulated["air.speed"]) > 0.1
 
 
-def test_the_trace_of_a_run_is_the_flight_wired_by_hand_bit_for_bit(fly, flight):
-    run, folder = fly("scenarios/first_flight.scn")
+def test_the_trace_of_a_run_equals_the_loop_connected_by_hand_bit_for_bit(run_scenario, simulated):
+    run, folder = run_scenario("scenarios/first_flight.scn")
     assert run.returncode == 0, run.stderr
     trace = csv_record.read(folder / "trace.csv")
-    assert csv_record.same_bits(trace["time"], flight["time"])
+    assert csv_record.same_bits(trace["time"], simulated["time"])
     assert len(trace) > 40
-    assert [name for name in trace if not csv_record.same_bits(trace[name], flight[name])] == []
+    assert [name for name in trace if not csv_record.same_bits(trace[name], simulated[name])] == []

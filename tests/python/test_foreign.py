@@ -1,4 +1,4 @@
-"""Units of other makers: one that `pythonfmu` writes on the spot, one in C that the system's compiler builds."""
+"""Units of other tools: one that `pythonfmu` writes during the test, one in C that the system's compiler builds."""
 
 import ctypes.util
 import re
@@ -15,7 +15,7 @@ import pytest
 
 import csv_record
 
-STEP_S = 0.125  # exact in binary, so that every importer hands over the same bits
+STEP_S = 0.125  # exact in binary, so that every importer passes the same bits
 
 RAMP_PY = """\
 from pythonfmu import Fmi2Causality, Fmi2Slave, Integer, Real
@@ -83,7 +83,7 @@ def probe(tmp_path_factory, root):
 
 @pytest.fixture(scope="module")
 def libpython():
-    """Python's own library, which units of `pythonfmu` use without saying so; tests say it by LD_PRELOAD."""
+    """Environment with libpython in LD_PRELOAD, because units of `pythonfmu` use it without linking it."""
     named = [sysconfig.get_config_var(name) for name in ("INSTSONAME", "LDLIBRARY")]
     folders = [sysconfig.get_config_var(name) for name in ("LIBDIR", "LIBPL")]
     places = [Path(folder) / name for folder in folders if folder for name in named if name and ".so" in name]
@@ -97,7 +97,7 @@ def libpython():
 
 
 def in_fmpy(archive, outputs, input_name, logger=None, **start_values):
-    """The unit in FMPy under the ramp that the scenarios drive it with."""
+    """Simulates the unit in FMPy with the ramp input of the scenarios."""
     time = np.arange(17) * STEP_S
     inputs = csv_record.for_fmpy({"time": time, input_name: time / 0.7})
     return fmpy.simulate_fmu(
@@ -107,14 +107,14 @@ def in_fmpy(archive, outputs, input_name, logger=None, **start_values):
 
 
 def differing(trace, instance, result):
-    """Columns of a trace that are not FMPy's result to the last bit."""
+    """Columns of a trace that differ from FMPy's result in any bit."""
     names = [name for name in result.dtype.names if name != "time"]
     assert set(trace) == {"time", *(f"{instance}.{name}" for name in names)}
     return [name for name in names if not csv_record.same_bits(trace[f"{instance}.{name}"], result[name])]
 
 
-def test_a_unit_that_misses_libpython_is_refused_with_the_name_of_the_symbol(fly, ramp):
-    run, _ = fly(ramp / "ramp.scn")
+def test_a_unit_that_misses_libpython_is_refused_with_the_name_of_the_symbol(run_scenario, ramp):
+    run, _ = run_scenario(ramp / "ramp.scn")
     assert run.returncode == 3
     assert re.search("Ramp.so needs the symbol `_?Py[A-Za-z_]+`", run.stderr), run.stderr
 
@@ -127,8 +127,8 @@ def test_check_names_the_rules_that_a_unit_of_pythonfmu_breaks(lockstep, ramp):
     assert "InitialUnknowns" in said
 
 
-def test_a_run_warns_of_broken_rules_goes_on_and_gives_fmpys_numbers(fly, ramp, libpython):
-    run, folder = fly(ramp / "ramp.scn", environment=libpython)
+def test_a_run_warns_of_broken_rules_continues_and_gives_the_numbers_of_fmpy(run_scenario, ramp, libpython):
+    run, folder = run_scenario(ramp / "ramp.scn", environment=libpython)
     assert run.returncode == 0, run.stderr
     assert "warning: unit `Ramp.fmu`" in run.stderr
     result = in_fmpy(ramp / "Ramp.fmu", ["level", "steps"], "rate")
@@ -142,8 +142,8 @@ def test_a_unit_in_c_breaks_no_rule(lockstep, probe):
     assert check.returncode == 0, check.stderr
 
 
-def test_a_unit_in_c_gives_the_same_numbers_and_words_in_fmpy_and_in_a_run(fly, probe):
-    run, folder = fly(probe / "probe.scn")
+def test_a_unit_in_c_gives_the_same_numbers_and_log_messages_in_fmpy_and_in_a_run(run_scenario, probe):
+    run, folder = run_scenario(probe / "probe.scn")
     assert run.returncode == 0, run.stderr
     said = []
     result = in_fmpy(

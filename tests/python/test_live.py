@@ -1,4 +1,4 @@
-"""What somebody sees who watches a run over zenoh, and that it makes no difference to the run."""
+"""The messages that a zenoh client receives from a run, and that watching has no effect on the run."""
 
 import contextlib
 import csv
@@ -22,28 +22,28 @@ SCRIPT = ROOT / "scenarios/first_flight.scn"
 INSTANCES = ("path", "air", "ctrl", "quad")
 
 
-class Flight:
-    """A run that goes on and can be watched."""
+class LiveRun:
+    """A running process that can be watched."""
 
     def __init__(self, out, *arguments):
         self.out = out
         command = [PROGRAM, "run", SCRIPT, "--units", PACKED, "--out", out, *arguments]
         self.process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.said = ""
-        while not (told := re.search(r"^live: run (\w+) at (\S+)\nhelp: watch it with (.*)\n", self.said, re.MULTILINE)):
+        while not (match := re.search(r"^live: run (\w+) at (\S+)\nhelp: watch it with (.*)\n", self.said, re.MULTILINE)):
             line = self.process.stderr.readline()
             assert line, self.said
             self.said += line
-        self.run, self.address, self.hint = told.groups()
+        self.run, self.address, self.hint = match.groups()
 
     def end(self):
-        """Waits for the end; what was said on standard error."""
+        """Waits for the end; returns the standard error."""
         _, rest = self.process.communicate(timeout=PATIENCE_S)
         self.said += rest
         return self.said
 
     def interrupt(self):
-        """Ends it after the step that it is in; what was said on standard error."""
+        """Interrupts the run after its current step; returns the standard error."""
         self.process.send_signal(signal.SIGINT)
         return self.end()
 
@@ -54,7 +54,7 @@ class Flight:
 
 
 class Watcher:
-    """A client that keeps what it sees, as (key, encoding, message)."""
+    """A client that collects the received messages as (key, encoding, message)."""
 
     def __init__(self, address, keys="lockstep/**"):
         settings = {"mode": "client", "connect": {"endpoints": [address]}}
@@ -77,16 +77,16 @@ class Watcher:
 
 @pytest.fixture
 def launch(tmp_path):
-    """Starts runs that can be watched; whatever still goes on at the end is killed."""
-    flights = []
+    """Starts runs that can be watched; those still running at the end of the test are killed."""
+    runs = []
 
     def start(*arguments, name="run"):
-        flights.append(Flight(tmp_path / name, *arguments))
-        return flights[-1]
+        runs.append(LiveRun(tmp_path / name, *arguments))
+        return runs[-1]
 
     yield start
-    for flight in flights:
-        flight.process.kill()
+    for live in runs:
+        live.process.kill()
 
 
 @pytest.fixture
@@ -114,7 +114,7 @@ def bits(number):
 
 
 def assert_as_in_trace(messages, instance, rows):
-    """Every value of every message is that of the trace at its tick, bit for bit."""
+    """Asserts that every value of every message equals that of the trace at its tick, bit for bit."""
     for message in messages:
         row = rows[message["tick"]]
         assert bits(message["time"]) == bits(row["time"])
@@ -125,17 +125,17 @@ def assert_as_in_trace(messages, instance, rows):
 
 
 @pytest.mark.parametrize("placement", [(), ("--isolate",)])
-def test_a_sample_of_the_rows_is_seen_bit_for_bit_and_the_last_row_always(launch, watch, placement):
-    flight = launch("--live", "--pace", "1", *placement)
-    watcher = watch(flight.address)
+def test_a_sample_of_the_rows_is_published_bit_for_bit_and_the_last_row_always(launch, watch, placement):
+    live = launch("--live", "--pace", "1", *placement)
+    watcher = watch(live.address)
     until(lambda: len(watcher.values("quad")) >= 30)
-    flight.interrupt()
+    live.interrupt()
     watcher.await_end()
-    assert {key.split("/")[1] for key, _, _ in watcher.seen} == {flight.run}
-    assert {message["run"] for _, _, message in watcher.seen} == {flight.run}
+    assert {key.split("/")[1] for key, _, _ in watcher.seen} == {live.run}
+    assert {message["run"] for _, _, message in watcher.seen} == {live.run}
     assert {encoding for _, encoding, _ in watcher.seen} == {"application/json"}
-    rows = flight.rows()
-    wall_s = json.loads((flight.out / "run.json").read_text())["wall_s"]
+    rows = live.rows()
+    wall_s = json.loads((live.out / "run.json").read_text())["wall_s"]
     for instance in INSTANCES:
         seen = watcher.values(instance)
         assert_as_in_trace(seen, instance, rows)
@@ -144,15 +144,15 @@ def test_a_sample_of_the_rows_is_seen_bit_for_bit_and_the_last_row_always(launch
         assert len(ticks) < len(rows) and len(ticks) <= 50 * wall_s + 2
 
 
-def test_the_schema_tells_what_the_values_are(launch, watch):
-    flight = launch("--live", "--pace", "1")
-    watcher = watch(flight.address)
+def test_the_schema_describes_the_values(launch, watch):
+    live = launch("--live", "--pace", "1")
+    watcher = watch(live.address)
     replies = [reply.ok for reply in watcher.session.get("lockstep/*/schema/*")]
     schemas = {str(reply.key_expr).split("/")[-1]: json.loads(reply.payload.to_string()) for reply in replies}
     assert {str(reply.encoding) for reply in replies} == {"application/json"}
     until(lambda: all(map(watcher.values, INSTANCES)))
-    flight.interrupt()
-    signals = json.loads((flight.out / "signals.json").read_text())
+    live.interrupt()
+    signals = json.loads((live.out / "signals.json").read_text())
     assert set(schemas) == set(INSTANCES)
     kinds = {"Real": float, "Boolean": bool, "Integer": int, "Enumeration": int}
     for instance, schema in schemas.items():
@@ -163,38 +163,38 @@ def test_the_schema_tells_what_the_values_are(launch, watch):
                 assert type(message["values"][entry["variable"]]) is kinds[entry["type"]]
 
 
-def test_a_run_is_found_and_tells_how_its_claims_stand_until_it_is_over(launch, watch):
-    flight = launch("--live", "--pace", "20")
-    watcher = watch(flight.address, "lockstep/*/live")
-    flight.end()
+def test_a_run_is_discovered_and_publishes_the_state_of_its_claims_until_its_end(launch, watch):
+    live = launch("--live", "--pace", "20")
+    watcher = watch(live.address, "lockstep/*/live")
+    live.end()
     watcher.await_end()
     first, *_, last = watcher.states()
     assert first["state"] == "running" and {claim["verdict"] for claim in first["claims"]} == {None}
-    assert (last["run"], last["state"], last["tick"], last["time"]) == (flight.run, "finished", 16800, 84.0)
-    told = json.loads((flight.out / "verdict.json").read_text())["claims"]
+    assert (last["run"], last["state"], last["tick"], last["time"]) == (live.run, "finished", 16800, 84.0)
+    verdicts = json.loads((live.out / "verdict.json").read_text())["claims"]
     keys = ("name", "verdict", "margin", "unit")
-    assert last["claims"] == [{key: claim[key] for key in keys} for claim in told]
+    assert last["claims"] == [{key: claim[key] for key in keys} for claim in verdicts]
 
 
-def test_a_run_that_breaks_says_so(launch, watch):
-    flight = launch("--live", "--pace", "1")
-    watcher = watch(flight.address)
+def test_a_broken_run_publishes_its_state(launch, watch):
+    live = launch("--live", "--pace", "1")
+    watcher = watch(live.address)
     until(watcher.states)
-    number = flight.process.pid
+    number = live.process.pid
     children = [(task / "children").read_text().split() for task in Path(f"/proc/{number}/task").iterdir()]
     os.kill(int(sum(children, [])[0]), signal.SIGKILL)
-    assert "SIGKILL" in flight.end()
+    assert "SIGKILL" in live.end()
     watcher.await_end()
     assert watcher.states()[-1]["state"] == "broken"
 
 
-def test_every_tick_is_seen_where_it_is_asked_for(launch, watch):
-    flight = launch("--live-every-tick", "--pace", "1")
-    watcher = watch(flight.address)
+def test_every_tick_is_published_if_requested(launch, watch):
+    live = launch("--live-every-tick", "--pace", "1")
+    watcher = watch(live.address)
     until(lambda: len(watcher.values("quad")) >= 300)
-    assert "--pace slows" not in flight.interrupt()
+    assert "--pace slows" not in live.interrupt()
     watcher.await_end()
-    rows = flight.rows()
+    rows = live.rows()
     for instance in INSTANCES:
         seen = watcher.values(instance)
         assert_as_in_trace(seen, instance, rows)
@@ -202,35 +202,35 @@ def test_every_tick_is_seen_where_it_is_asked_for(launch, watch):
         assert ticks == list(range(ticks[0], max(rows) + 1))
 
 
-def test_rows_are_seen_of_a_run_that_records_nothing(launch, watch):
+def test_rows_are_published_in_a_run_that_records_nothing(launch, watch):
     recorded = launch("--live", name="recorded")
     recorded.end()
-    flight = launch("--live", "--pace", "1", "--record", "none")
-    watcher = watch(flight.address)
+    live = launch("--live", "--pace", "1", "--record", "none")
+    watcher = watch(live.address)
     until(lambda: len(watcher.values("quad")) >= 10)
-    flight.interrupt()
+    live.interrupt()
     watcher.await_end()
-    assert not (flight.out / "trace.csv").exists()
+    assert not (live.out / "trace.csv").exists()
     assert_as_in_trace(watcher.values("quad"), "quad", recorded.rows())
 
 
-def test_what_a_watcher_puts_reaches_neither_another_nor_the_run(launch, watch):
+def test_messages_of_a_watcher_reach_neither_another_watcher_nor_the_run(launch, watch):
     calm = launch("--live", name="calm")
     calm.end()
-    flight = launch("--live", "--pace", "20")
-    watcher, other = watch(flight.address), watch(flight.address)
+    live = launch("--live", "--pace", "20")
+    watcher, other = watch(live.address), watch(live.address)
     until(lambda: watcher.values("quad") and other.values("quad"))
     lie = json.dumps({"run": "a lie", "tick": 1, "state": "broken"})
-    for key in (f"lockstep/{flight.run}/live/quad", f"lockstep/{flight.run}/live", f"lockstep/{flight.run}/do"):
+    for key in (f"lockstep/{live.run}/live/quad", f"lockstep/{live.run}/live", f"lockstep/{live.run}/do"):
         other.session.put(key, lie, encoding="application/json")
-    flight.end()
+    live.end()
     watcher.await_end()
-    # A client's own subscriber hears it: it was put.
+    # The client's own subscriber receives the message, so it was sent.
     assert "a lie" in {message["run"] for _, _, message in other.seen}
     assert "a lie" not in {message["run"] for _, _, message in watcher.seen}
     assert watcher.states()[-1]["state"] == "finished"
     for file in ("trace.csv", "signals.json", "verdict.json"):
-        assert (flight.out / file).read_bytes() == (calm.out / file).read_bytes()
+        assert (live.out / file).read_bytes() == (calm.out / file).read_bytes()
 
 
 STOPPED = """
@@ -242,7 +242,7 @@ time.sleep(600)
 """
 
 
-def test_thirty_watchers_and_a_stopped_one_change_no_byte_and_hold_up_nothing(launch, watch):
+def test_thirty_watchers_and_a_stopped_one_neither_change_nor_delay_a_run(launch, watch):
     alone = launch("--live", name="alone")
     alone.end()
     watched = launch("--live-every-tick", "--pace", "20", name="watched")
@@ -255,31 +255,31 @@ def test_thirty_watchers_and_a_stopped_one_change_no_byte_and_hold_up_nothing(la
     finally:
         stopped.kill()
     assert watched.process.returncode == 0
-    # At 20 times real time 84 s take 4.2 s; putting that waited for the stopped one would take 5 s more each time.
+    # At 20 times real time 84 s take 4.2 s; each put that waited for the stopped watcher would take 5 s more.
     assert json.loads((watched.out / "run.json").read_text())["wall_s"] < 4.2 + 5
     for file in ("trace.csv", "signals.json", "verdict.json"):
         assert (watched.out / file).read_bytes() == (alone.out / file).read_bytes()
     assert all(watcher.values("quad") for watcher in watchers)
 
 
-def test_the_name_of_a_run_stands_in_none_of_its_results(launch):
-    flight = launch("--live")
-    flight.end()
-    contents = [path.read_bytes() for path in flight.out.iterdir()]
-    assert len(contents) == 5 and not any(flight.run.encode() in content for content in contents)
+def test_the_name_of_a_run_is_in_none_of_its_results(launch):
+    live = launch("--live")
+    live.end()
+    contents = [path.read_bytes() for path in live.out.iterdir()]
+    assert len(contents) == 5 and not any(live.run.encode() in content for content in contents)
 
 
-def test_the_example_of_the_page_prints_positions_of_the_trace(launch, tmp_path):
+def test_the_example_of_the_documentation_prints_positions_of_the_trace(launch, tmp_path):
     page = (ROOT / "docs/watching.md").read_text()
     example = tmp_path / "position.py"
     example.write_text(page.split("```python\n")[1].split("```")[0])
-    flight = launch("--live", "--pace", "1")
-    with subprocess.Popen([sys.executable, example, flight.address], stdout=subprocess.PIPE, text=True) as watching:
+    live = launch("--live", "--pace", "1")
+    with subprocess.Popen([sys.executable, example, live.address], stdout=subprocess.PIPE, text=True) as watching:
         lines = [watching.stdout.readline() for _ in range(3)]
-        flight.interrupt()
+        live.interrupt()
         lines += watching.communicate(timeout=PATIENCE_S)[0].splitlines()
     assert watching.returncode == 0
-    rows = {bits(row["time"]): row for row in flight.rows().values()}
+    rows = {bits(row["time"]): row for row in live.rows().values()}
     for line in lines:
         time_s, *position = re.fullmatch(r"(\S+) s: (\S+) (\S+) (\S+) m\n?", line).groups()
         row = rows[bits(time_s)]
@@ -287,24 +287,24 @@ def test_the_example_of_the_page_prints_positions_of_the_trace(launch, tmp_path)
     assert row is list(rows.values())[-1]
 
 
-def test_the_line_to_paste_shows_the_run(launch):
-    flight = launch("--live", "--pace", "1")
+def test_the_printed_command_shows_the_run(launch):
+    live = launch("--live", "--pace", "1")
     programs = f"{os.path.dirname(sys.executable)}:{os.environ['PATH']}"
     environment = {**os.environ, "PATH": programs, "PYTHONUNBUFFERED": "1"}
-    with subprocess.Popen(["sh", "-c", f"exec {flight.hint}"], env=environment, stdout=subprocess.PIPE, text=True) as pasted:
+    with subprocess.Popen(["sh", "-c", f"exec {live.hint}"], env=environment, stdout=subprocess.PIPE, text=True) as pasted:
         printed = pasted.stdout.readline()
         pasted.kill()
-    assert re.match(rf'lockstep/{flight.run}/live(/\w+)? {{"run":"{flight.run}","tick":\d+', printed), printed
+    assert re.match(rf'lockstep/{live.run}/live(/\w+)? {{"run":"{live.run}","tick":\d+', printed), printed
 
 
-def test_an_endpoint_that_is_taken_is_an_error_before_the_run(launch, fly):
-    flight = launch("--live", "--pace", "1")
-    refused, folder = fly("scenarios/breeze.scn", f"--live={flight.address}", name="refused")
+def test_an_endpoint_in_use_is_an_error_before_the_run(launch, run_scenario):
+    live = launch("--live", "--pace", "1")
+    refused, folder = run_scenario("scenarios/breeze.scn", f"--live={live.address}", name="refused")
     assert refused.returncode == 2 and not folder.exists()
-    error = rf"error: cannot listen at {flight.address} for those who watch: .*in use \(os error \d+\).*\nhelp: .*\n"
+    error = rf"error: cannot listen at {live.address} for those who watch: .*in use \(os error \d+\).*\nhelp: .*\n"
     assert re.fullmatch(error, refused.stderr) and ".rs" not in refused.stderr, refused.stderr
 
 
-def test_an_endpoint_of_all_machines_is_warned_of(launch):
-    flight = launch("--live=tcp/0.0.0.0:0")
-    assert "is open to other machines: anybody who reaches it can watch this run" in flight.end()
+def test_an_endpoint_that_is_open_to_other_machines_causes_a_warning(launch):
+    live = launch("--live=tcp/0.0.0.0:0")
+    assert "is open to other machines: anybody who reaches it can watch this run" in live.end()

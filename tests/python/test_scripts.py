@@ -1,4 +1,4 @@
-"""What `lockstep run`, `check` and `diff` answer to the scripts of `scenarios/`."""
+"""Results of `lockstep run`, `check` and `diff` for the scripts of `scenarios/`."""
 
 import json
 import re
@@ -46,49 +46,49 @@ def test_every_claim_of_every_scenario_has_a_setting_under_which_it_fails(root):
 
 
 @pytest.mark.parametrize("scenario, claim", FAILURES)
-def test_a_claim_fails_under_its_setting(fly, scenario, claim):
+def test_a_claim_fails_under_its_setting(run_scenario, scenario, claim):
     setting = FAILURES[scenario, claim]
-    run, folder = fly(f"scenarios/{scenario}", "--set", setting)
+    run, folder = run_scenario(f"scenarios/{scenario}", "--set", setting)
     assert run.returncode == 1, run.stderr
     assert verdicts(folder)[claim]["verdict"] == "failed"
 
 
-def test_every_scenario_holds_its_claims(fly, root):
+def test_the_claims_of_every_scenario_hold(run_scenario, root):
     for scenario in sorted(root.glob("scenarios/*.scn")):
-        run, folder = fly(scenario, name=scenario.stem)
+        run, folder = run_scenario(scenario, name=scenario.stem)
         assert run.returncode == 0, run.stderr
         assert all(claim["verdict"] == "ok" for claim in verdicts(folder).values())
 
 
-def test_a_storm_fails_the_flight_and_names_claim_margin_and_time(fly):
-    run, _ = fly("scenarios/first_flight.scn", "--set", "mean = 25 m/s")
+def test_a_storm_fails_a_claim_which_is_reported_with_margin_and_time(run_scenario):
+    run, _ = run_scenario("scenarios/first_flight.scn", "--set", "mean = 25 m/s")
     assert run.returncode == 1
     assert re.search(r"FAILED +tracks +-\d+(\.\d+)? m at \d+(\.\d+)? s", run.stdout), run.stdout
 
 
-def test_five_mistakes_of_meaning_are_all_told_with_place_and_help(lockstep, packed, tmp_path):
+def test_five_semantic_errors_are_all_reported_with_position_and_help(lockstep, packed, tmp_path):
     script = tmp_path / "five.scn"
     script.write_text(FIVE_MISTAKES)
     for command in (["check", script, "--units", packed], ["run", script, "--units", packed]):
-        told = lockstep(*command)
-        assert told.returncode == 2
-        errors = re.split(r"^error", told.stdout + told.stderr, flags=re.MULTILINE)[1:]
+        result = lockstep(*command)
+        assert result.returncode == 2
+        errors = re.split(r"^error", result.stdout + result.stderr, flags=re.MULTILINE)[1:]
         places = sorted(int(re.search(r"five\.scn:(\d+):\d+", error).group(1)) for error in errors)
         assert places == [7, 9, 10, 12, 14]
         assert all("help: " in error for error in errors), errors
 
 
-def test_two_runs_leave_the_same_bytes_and_diff_says_so(fly, lockstep):
-    (_, one), (_, other) = (fly("scenarios/first_flight.scn", name=name) for name in ("one", "other"))
+def test_two_runs_give_the_same_bytes_and_diff_reports_it(run_scenario, lockstep):
+    (_, one), (_, other) = (run_scenario("scenarios/first_flight.scn", name=name) for name in ("one", "other"))
     for file in ("trace.csv", "trace.parquet", "signals.json", "verdict.json"):
         assert (one / file).read_bytes() == (other / file).read_bytes()
     diff = lockstep("diff", one, other)
     assert diff.returncode == 0, diff.stdout
 
 
-def test_diff_names_where_two_runs_part(fly, lockstep):
-    _, calm = fly("scenarios/first_flight.scn", name="calm")
-    _, windy = fly("scenarios/first_flight.scn", "--set", "mean = 4 m/s", name="windy")
+def test_diff_names_the_first_difference_of_two_runs(run_scenario, lockstep):
+    _, calm = run_scenario("scenarios/first_flight.scn", name="calm")
+    _, windy = run_scenario("scenarios/first_flight.scn", "--set", "mean = 4 m/s", name="windy")
     diff = lockstep("diff", calm, windy)
     assert diff.returncode == 1
     assert "first difference at 0 s (row 0) in quad.thrust" in diff.stdout, diff.stdout

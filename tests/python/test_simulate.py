@@ -1,4 +1,4 @@
-"""`lockstep simulate` between the rows of a table, against FMPy's simulate_fmu: the same bits at the same instants."""
+"""`lockstep simulate` with input rows farther apart than steps gives the same bits as FMPy's simulate_fmu."""
 
 import fmpy
 import numpy as np
@@ -6,7 +6,7 @@ import numpy as np
 import csv_record
 import references
 
-STEP = 1 / 128  # a whole number of nanoseconds and of binary digits: both tools count the same instants
+STEP = 1 / 128  # a whole number of nanoseconds and of binary digits: both tools compute the same instants
 STOP = 2.0
 
 
@@ -14,7 +14,7 @@ JUMP = 0.75  # at a communication point, where FMPy needs no step of its own for
 
 
 def table(unit):
-    """Every twentieth row of the unit's input record, its continuous inputs alone; they jump once."""
+    """Every twentieth row of the unit's input record, continuous inputs only; they jump once."""
     inputs, _ = references.read(unit.name)
     continuous = [name for name in inputs or {} if name != "time" and unit.variables[name].variability == "continuous"]
     if not continuous:
@@ -25,7 +25,7 @@ def table(unit):
     return {name: np.insert(column, at, column[at] if name == "time" else 0.0) for name, column in rows.items()}
 
 
-def test_between_rows_a_unit_moves_as_in_fmpy(unit, lockstep, tmp_path):
+def test_between_rows_inputs_are_interpolated_as_in_fmpy(unit, lockstep, tmp_path):
     inputs, outputs = table(unit), unit.names("output")
     path = tmp_path / "in.csv"
     path.write_text(csv_record.text(inputs))

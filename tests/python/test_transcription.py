@@ -1,4 +1,4 @@
-"""The equations written again in Python, from the papers and in their frames, give what the units give."""
+"""A second implementation of the equations in Python, in the frames of the papers, gives the results of the units."""
 
 import math
 
@@ -15,7 +15,7 @@ TOLERANCE = 1e-6
 
 
 def agree(ours, theirs):
-    """All outputs of the unit, at all its rows, to an absolute tolerance in each unit of measure."""
+    """Asserts that all outputs agree at all rows, to an absolute tolerance for each unit of measure."""
     names = [name for name in theirs if name != "time"]
     assert set(names) == set(ours) - {"time"}
     worst = {name: np.max(np.abs(np.asarray(ours[name], float) - np.asarray(theirs[name], float))) for name in names}
@@ -23,7 +23,7 @@ def agree(ours, theirs):
 
 
 def simulated(archive, inputs, parameters):
-    """The unit over the same inputs, in FMPy, at every communication point."""
+    """Simulates the unit with the same inputs in FMPy; outputs at every communication point."""
     items = {n: archive.item(n, v) for n, v in parameters.items() if archive.variables[n].type == "Enumeration"}
     result = fmpy.simulate_fmu(
         str(archive.path), stop_time=inputs["time"][-1], output_interval=archive.step, start_values=parameters | items,
@@ -55,7 +55,7 @@ def test_the_quadcopter_follows_its_equations_with_other_parameters(archives, pa
 
 
 def test_the_quadcopter_follows_its_equations_in_a_closed_loop_with_all_effects(archives):
-    """Turbulent wind, a rotor that weakens, trembling at the ground, and a low flight that lands hard."""
+    """Turbulent wind, a rotor that loses thrust, ground turbulence, and a low flight with a hard landing."""
     values = closed_loop.FIRST_FLIGHT | {"path": {"height": 1.2, "speed": 6.0}, "air": {
         "mean.x": 2.0, "mean.y": 3.0, "turbulence": 6.0, "profile": "log", "seed": 5,
         "gust_count": 1, "gust[1].start": 4.0, "gust[1].duration": 3.0, "gust[1].amplitude": 4.0,
@@ -65,12 +65,12 @@ def test_the_quadcopter_follows_its_equations_in_a_closed_loop_with_all_effects(
         return {"effectiveness[2]": 0.9 if 8.0 < t < 11.0 else 1.0, "effectiveness[4]": 0.3 if t > 18.0 else 1.0}
 
     ticks = 4000
-    record = closed_loop.fly(archives, ticks, values, weak)
-    flown = {name.removeprefix("quad."): column for name, column in record.items() if name.startswith("quad.")}
+    record = closed_loop.simulate(archives, ticks, values, weak)
+    columns = {name.removeprefix("quad."): column for name, column in record.items() if name.startswith("quad.")}
     outputs = archives["quadcopter"].names("output")
-    inputs = {"time": record["time"]} | {name: column for name, column in flown.items() if name not in outputs}
-    assert flown["contact"].any() and not flown["contact"].all() and flown["height"].max() > 1.0
-    agree(quadcopter.simulate(inputs, {}, closed_loop.seconds(1)), {name: flown[name] for name in outputs})
+    inputs = {"time": record["time"]} | {name: column for name, column in columns.items() if name not in outputs}
+    assert columns["contact"].any() and not columns["contact"].all() and columns["height"].max() > 1.0
+    agree(quadcopter.simulate(inputs, {}, closed_loop.seconds(1)), {name: columns[name] for name in outputs})
 
 
 def test_the_wind_follows_its_equations_over_its_reference(archives):
@@ -92,7 +92,7 @@ def test_the_wind_follows_its_equations_with_profile_and_gusts(archives, sample_
     agree(wind.simulate(inputs, parameters, archive.step), simulated(archive, inputs, parameters))
 
 
-def test_a_small_mistake_in_an_equation_would_be_seen(archives):
+def test_a_small_mistake_in_an_equation_is_detected(archives):
     inputs, expected = references.read("wind")
     parameters = {"turbulence": references.WIND_AT_20_FT * (1 + 1e-5)}
     mistaken = thinned(wind.simulate(inputs, parameters, archives["wind"].step), len(expected["time"]))

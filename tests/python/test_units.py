@@ -1,4 +1,4 @@
-"""Every unit of this repository, as FMPy sees it."""
+"""Tests of every unit of this repository with FMPy."""
 
 import math
 import subprocess
@@ -83,7 +83,7 @@ def test_the_reference_exercises_every_output(unit):
 
 
 def test_lockstep_simulate_reproduces_the_reference_bit_for_bit(unit, lockstep, tmp_path):
-    """Over the same rows; FMPy counts time as k * step, which is not always the nearest float to the decimal time."""
+    """Uses the same rows; FMPy computes time as k * step, which is not always the nearest float to the decimal time."""
     inputs, expected = references.read(unit.name)
     command = ["simulate", unit.path, "--out", tmp_path / "run"]
     if inputs:
@@ -99,7 +99,7 @@ def test_lockstep_simulate_reproduces_the_reference_bit_for_bit(unit, lockstep, 
     assert [name for name in seen if not csv_record.same_bits(seen[name], expected[name])] == []
 
 
-def test_a_saved_state_goes_on_bit_for_bit(unit):
+def test_a_restored_state_continues_bit_for_bit(unit):
     inputs, half = inputs_of(unit), TICKS // 2
     with Instance(unit) as instance:
         begin(instance, inputs)
@@ -112,7 +112,7 @@ def test_a_saved_state_goes_on_bit_for_bit(unit):
     assert first == run(unit)[half + 1 :]
 
 
-def test_a_state_written_to_bytes_goes_on_in_another_instance(unit):
+def test_a_serialized_state_continues_in_another_instance(unit):
     inputs, half = inputs_of(unit), TICKS // 2
     with Instance(unit, "one") as one, Instance(unit, "other") as other:
         begin(one, inputs)
@@ -133,14 +133,14 @@ def test_a_unit_runs_twice_in_one_process(unit):
     assert run(unit) == run(unit)
 
 
-def test_instances_in_threads_do_not_know_of_each_other(unit, monkeypatch, root):
+def test_instances_in_threads_are_independent(unit, monkeypatch, root):
     monkeypatch.chdir(root)  # FMPy changes the working directory while it loads: threads may leave it changed
     alone = run(unit)
     with ThreadPoolExecutor(4) as threads:
         assert list(threads.map(lambda _: run(unit), range(8))) == [alone] * 8
 
 
-def test_instances_side_by_side_in_one_thread_do_not_know_of_each_other(unit):
+def test_instances_in_one_thread_are_independent(unit):
     inputs, alone = inputs_of(unit), run(unit)
     with Instance(unit, "one") as one, Instance(unit, "other") as other:
         for instance in (one, other):
@@ -152,7 +152,7 @@ def test_instances_side_by_side_in_one_thread_do_not_know_of_each_other(unit):
     assert late == alone[1:]
 
 
-def test_a_reset_instance_runs_again_as_new(unit):
+def test_a_reset_instance_runs_like_a_new_one(unit):
     inputs, new = inputs_of(unit), run(unit)
     with Instance(unit) as instance:
         begin(instance, inputs)
@@ -173,7 +173,7 @@ def test_a_number_that_is_not_finite_is_refused_by_name_and_the_old_one_stays(un
         assert any(name in message for message in instance.messages)
 
 
-def test_a_variable_that_nobody_declared_is_an_error_with_a_message(unit):
+def test_an_undeclared_variable_is_an_error_with_a_message(unit):
     with Instance(unit) as instance:
         for call, values in [("Real", [0.0]), ("Integer", [0]), ("Boolean", [0]), ("String", ["a"])]:
             said = len(instance.messages)

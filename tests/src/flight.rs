@@ -1,4 +1,4 @@
-//! A run that goes on: what it has left so far, signals for it and for its stepping process, and how it ends.
+//! A running `lockstep` program: its output so far, signals to it and to its stepping process, and its result.
 
 use crate::program::{Said, command};
 use std::fs::{self, File};
@@ -8,14 +8,14 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// How long anything that is waited for may take on a busy machine.
+/// Time limit for every wait, long enough for a busy machine.
 const PATIENCE: Duration = Duration::from_secs(30);
 const LOOK_AGAIN: Duration = Duration::from_millis(5);
 
-/// Waits for something.
+/// Waits for a condition.
 ///
 /// # Panics
-/// If it does not come.
+/// If the condition is not met in time.
 pub fn until(what: &str, mut condition: impl FnMut() -> bool) {
     let began = Instant::now();
     while !condition() {
@@ -24,11 +24,11 @@ pub fn until(what: &str, mut condition: impl FnMut() -> bool) {
     }
 }
 
-/// A `lockstep` that was started, with a folder for temporary files of its own; killed when dropped.
+/// A started `lockstep` process with its own folder for temporary files; killed when dropped.
 #[derive(Debug)]
 pub struct Flight {
     process: Child,
-    /// Where its standard output and error go, and its temporary files.
+    /// Folder of the files with its standard output and error, and of its temporary files.
     home: TempDir,
 }
 
@@ -43,7 +43,7 @@ impl Flight {
         Self::of(command(folder, arguments))
     }
 
-    /// Starts a command that ends in being `lockstep`.
+    /// Starts a command that becomes `lockstep` in the end, such as a shell with `exec`.
     ///
     /// # Panics
     /// If it cannot be started.
@@ -57,25 +57,25 @@ impl Flight {
         Self { process, home }
     }
 
-    /// The number of its process.
+    /// Its process id.
     #[must_use]
     pub fn id(&self) -> u32 {
         self.process.id()
     }
 
-    /// The number of its stepping process, once there is one.
+    /// The process id of its stepping process, once there is one.
     ///
     /// # Panics
-    /// If there is none for long.
+    /// If there is none in time.
     #[must_use]
     pub fn stepping_process(&self) -> u32 {
         self.children(1)[0]
     }
 
-    /// The numbers of its children, once there are so many.
+    /// The process ids of its children, once there are `count` of them.
     ///
     /// # Panics
-    /// If there are not for long.
+    /// If there are not `count` children in time.
     #[must_use]
     pub fn children(&self, count: usize) -> Vec<u32> {
         let mut found = Vec::new();
@@ -86,7 +86,7 @@ impl Flight {
         found
     }
 
-    /// What it said on standard error so far.
+    /// Its standard error so far.
     ///
     /// # Panics
     /// If that cannot be read.
@@ -95,7 +95,7 @@ impl Flight {
         String::from_utf8_lossy(&fs::read(self.home.path().join("err")).unwrap()).into_owned()
     }
 
-    /// The temporary folders of runs that are there.
+    /// The existing temporary folders of runs.
     ///
     /// # Panics
     /// If the folder of temporary files cannot be read.
@@ -104,15 +104,15 @@ impl Flight {
         fs::read_dir(self.home.path().join("tmp")).unwrap().map(|entry| entry.unwrap().path()).collect()
     }
 
-    /// Whether it is over.
+    /// Whether it has ended.
     ///
     /// # Panics
-    /// If the system does not tell.
+    /// If the system does not return its status.
     pub fn is_over(&mut self) -> bool {
         self.status().is_some()
     }
 
-    /// Waits for its end and tells how it ended.
+    /// Waits for its end; returns its exit code and its output.
     ///
     /// # Panics
     /// If it does not end.
@@ -129,7 +129,7 @@ impl Flight {
 
 impl Drop for Flight {
     fn drop(&mut self) {
-        // It may be over already.
+        // It may have ended already.
         let _ = self.process.kill();
         let _ = self.process.wait();
     }
@@ -144,26 +144,26 @@ pub fn signal(name: &str, process: u32) {
     assert!(sent.is_ok_and(|status| status.success()), "SIG{name} reaches process {process}");
 }
 
-/// Whether a process runs or could; one that is dead and not yet buried does not.
+/// Whether a process is alive; a zombie is not.
 #[must_use]
 pub fn is_alive(process: u32) -> bool {
     processes().into_iter().any(|other| other.id == process)
 }
 
-/// A living process.
+/// A process that is alive.
 struct Living {
     id: u32,
     parent: u32,
 }
 
-/// All of them, as `/proc/*/stat` tells: number, name in brackets, state, number of the parent.
+/// All processes that are alive, from `/proc/*/stat`: id, name in brackets, state, id of the parent.
 fn processes() -> Vec<Living> {
     let living = |path: PathBuf| {
         let id = path.file_name()?.to_str()?.parse().ok()?;
         let text = fs::read_to_string(path.join("stat")).ok()?;
-        let mut words = text.rsplit_once(") ")?.1.split(' ');
-        let is_dead = ["Z", "X"].contains(&words.next()?);
-        let parent = words.next()?.parse().ok()?;
+        let mut fields = text.rsplit_once(") ")?.1.split(' ');
+        let is_dead = ["Z", "X"].contains(&fields.next()?);
+        let parent = fields.next()?.parse().ok()?;
         (!is_dead).then_some(Living { id, parent })
     };
     fs::read_dir("/proc").into_iter().flatten().flatten().filter_map(|entry| living(entry.path())).collect()

@@ -1,4 +1,4 @@
-//! Builds the unit of `tests/foreign/` with the system's C compiler, well-behaved or not, and packs it.
+//! Builds the unit of `tests/foreign/` with the system's C compiler, with or without a planted fault, and packs it.
 
 use std::fs;
 use std::io::Write;
@@ -7,7 +7,7 @@ use std::process::Command;
 use tempfile::TempDir;
 use zip::write::SimpleFileOptions;
 
-/// What is exchanged in the description of a unit that says that it saves its state.
+/// The replacement in the description of a unit that declares that it saves its state.
 pub const CLAIMS_STATES: (&str, &str) = (
     "canHandleVariableCommunicationStepSize=\"true\"",
     "canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"",
@@ -16,11 +16,11 @@ pub const CLAIMS_STATES: (&str, &str) = (
 /// How the unit is built and packed.
 #[derive(Debug)]
 pub struct Foreign<'a> {
-    /// Names and values for the compiler's `-D`, see `tests/foreign/unit.c`.
+    /// Names and values for the compiler's `-D`; see `tests/foreign/unit.c`.
     pub defines: &'a [&'a str],
     /// The folder below `binaries/`.
     pub platform: &'a str,
-    /// Texts that are exchanged in the description.
+    /// Texts of the description and their replacements.
     pub description: &'a [(&'a str, &'a str)],
 }
 
@@ -33,10 +33,10 @@ impl Default for Foreign<'_> {
 
 #[allow(clippy::unwrap_used, reason = "a test that cannot build its unit has failed")]
 impl Foreign<'_> {
-    /// Makes `foreign.fmu` in a folder that goes away with what is returned.
+    /// Writes `foreign.fmu` into a temporary folder, which is removed when the returned `TempDir` is dropped.
     ///
     /// # Panics
-    /// If the compiler is missing or refuses, or a text to exchange is not there.
+    /// If the compiler is missing or fails, or the description lacks a text to replace.
     #[must_use]
     pub fn build(&self) -> (TempDir, PathBuf) {
         let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("foreign");

@@ -1,4 +1,4 @@
-//! What the whole-program tests stand on: the `lockstep` binary, the repository's folders, and the habits of the house.
+//! Support for tests of the whole program: the `lockstep` binary, the repository's folders, and checks of house style.
 #![forbid(unsafe_code)]
 
 pub mod flight;

@@ -1,4 +1,4 @@
-//! The `lockstep` program as a user starts it, and where things lie.
+//! Runs the `lockstep` program as a user does, and locates it and the repository.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -12,7 +12,7 @@ pub fn repository() -> PathBuf {
 /// The `lockstep` binary beside the running test.
 ///
 /// # Panics
-/// If it is not built: `cargo test --workspace` and `cargo build` do that.
+/// If it is not built; `cargo test --workspace` and `cargo build` build it.
 #[must_use]
 pub fn lockstep() -> PathBuf {
     let test = std::env::current_exe().unwrap_or_default();
@@ -22,7 +22,7 @@ pub fn lockstep() -> PathBuf {
     found.unwrap_or_default()
 }
 
-/// What a program said and how it ended.
+/// Exit code and output of a program.
 #[derive(Debug)]
 pub struct Said {
     /// Its exit code; `None` if a signal ended it.

@@ -1,4 +1,4 @@
-//! `run --log-fmi-calls`: every call of an instance with its time, arguments and status, the one that crashes included.
+//! `run --log-fmi-calls`: every call of an instance with its time, arguments and status, including one that crashes.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::fs;
@@ -33,7 +33,7 @@ const CALLS: &str = "\
 0.2 s  fmi2FreeInstance() -> returned
 ";
 
-/// Runs the unit with these defines and logs its calls; the last two lines of the log.
+/// Runs the unit with these defines and logs its calls; returns the last two lines of the log.
 fn last_calls(defines: &[&str]) -> (Said, Vec<String>) {
     let (folder, said) = logged(defines, &["--log-fmi-calls", "probe"]);
     let calls = text(&folder, "fmi-calls.probe.log");
@@ -60,7 +60,7 @@ fn every_call_is_logged_with_time_arguments_and_status_in_every_placement() {
         let (folder, said) = logged(&[], &[&["--log-fmi-calls", "probe"], placement].concat());
         assert_eq!(said.code, Some(0), "{}", said.err);
         assert_eq!(text(&folder, "fmi-calls.probe.log"), CALLS, "{placement:?}");
-        assert!(said.err.contains("step 1 of probe: y = 0.000000"), "the unit was asked to tell all: {}", said.err);
+        assert!(said.err.contains("step 1 of probe: y = 0.000000"), "debug logging of the unit was on: {}", said.err);
     }
 }
 
@@ -94,7 +94,7 @@ fn a_run_whose_calls_are_logged_leaves_the_same_trace() {
 }
 
 #[test]
-fn calls_are_logged_where_nothing_else_is_recorded() {
+fn calls_are_logged_in_a_run_that_records_nothing() {
     let (folder, said) = logged(&[], &["--log-fmi-calls", "probe", "--record", "none"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert_eq!(text(&folder, "fmi-calls.probe.log").lines().count(), CALLS.lines().count());
@@ -113,14 +113,15 @@ fn the_last_line_is_the_call_that_crashed() {
 }
 
 #[test]
-fn what_a_discarded_step_was_asked_and_answered_is_logged() {
+fn the_status_calls_after_a_discarded_step_are_logged() {
     let (folder, said) = logged(&["MISBEHAVE_CALL=STEP", "MISBEHAVE_HOW=TERMINATED"], &["--log-fmi-calls", "probe"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     let calls = text(&folder, "fmi-calls.probe.log");
-    let asked: Vec<_> = calls.lines().filter(|line| line.contains("Status(") || line.contains("fmi2Discard")).collect();
-    assert!(asked[0].ends_with(" -> fmi2Discard"), "{calls}");
+    let entries: Vec<_> =
+        calls.lines().filter(|line| line.contains("Status(") || line.contains("fmi2Discard")).collect();
+    assert!(entries[0].ends_with(" -> fmi2Discard"), "{calls}");
     assert_eq!(
-        asked[1..],
+        entries[1..],
         [
             "0 s  fmi2GetBooleanStatus(fmi2Terminated) -> fmi2OK, fmi2True",
             "0 s  fmi2GetRealStatus(fmi2LastSuccessfulTime) -> fmi2OK, 0.05"
@@ -129,7 +130,7 @@ fn what_a_discarded_step_was_asked_and_answered_is_logged() {
 }
 
 #[test]
-fn a_unit_that_makes_no_instance_is_logged_with_that() {
+fn a_failed_instantiation_is_logged() {
     let (folder, said) =
         logged(&["MISBEHAVE_CALL=INSTANTIATE", "MISBEHAVE_HOW=NO_INSTANCE"], &["--log-fmi-calls", "probe"]);
     assert_eq!(said.code, Some(3), "{}", said.err);
@@ -137,7 +138,7 @@ fn a_unit_that_makes_no_instance_is_logged_with_that() {
 }
 
 #[test]
-fn an_instance_that_the_script_does_not_have_is_refused_with_the_nearest() {
+fn an_unknown_instance_is_refused_with_the_nearest_name() {
     let (folder, said) = logged(&[], &["--log-fmi-calls", "prob"]);
     assert_eq!(said.code, Some(2));
     let help = "help: did you mean `probe`?\n";

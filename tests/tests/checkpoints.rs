@@ -1,4 +1,4 @@
-//! Runs that are saved and continued leave the rows and the verdict of a run that never stopped.
+//! Runs that are saved and continued give the same rows and verdict as an uninterrupted run.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::fmt::Write as _;
@@ -9,7 +9,7 @@ use tests::foreign::{CLAIMS_STATES, Foreign};
 use tests::program::{Said, repository, run};
 use zip::{ZipArchive, ZipWriter};
 
-/// Periods of 1 to 6 ticks, both arrows, slow steps, windows that are open across saves, claims of all kinds.
+/// Periods of 1 to 6 ticks, both kinds of connection, windows that are open across saves, claims of all kinds.
 const MIXED: &str = "scenario \"All that a checkpoint has to keep\"
 step 10 ms
 stop 120 ms
@@ -35,8 +35,8 @@ assert blown: eventually rises(quad.thrust > 1 N)
 record quad.state, quad.thrust, path.setpoint.position, air.velocity, calm.speed, ctrl.rotor_speed, quad.wind
 ";
 
-/// What a run of the repository's units said; its results are in `out`.
-fn fly(script: &str, out: &Path, more: &[&str]) -> Said {
+/// Runs a script with the repository's units; its results are in `out`.
+fn run_script(script: &str, out: &Path, more: &[&str]) -> Said {
     let out = out.to_str().unwrap();
     run(&repository(), &[&["run", script, "--out", out], more].concat())
 }
@@ -45,31 +45,31 @@ fn read(folder: &Path, file: &str) -> String {
     fs::read_to_string(folder.join(file)).unwrap()
 }
 
-/// Continues a run and compares what it leaves with what the whole run left, of which it lacks the first rows.
+/// Continues a run and compares its results with those of the whole run, except for the first rows.
 fn continues(script: &str, home: &Path, checkpoint: &str, rows_before: usize) {
     continues_as(script, home, checkpoint, rows_before, &[]);
 }
 
 fn continues_as(script: &str, home: &Path, checkpoint: &str, rows_before: usize, more: &[&str]) {
     let (whole, rest) = (home.join("whole"), home.join("rest"));
-    let said = fly(script, &rest, &[&["--from", home.join(checkpoint).to_str().unwrap()], more].concat());
+    let said = run_script(script, &rest, &[&["--from", home.join(checkpoint).to_str().unwrap()], more].concat());
     assert!(said.code.is_some_and(|code| code < 2), "{checkpoint}: {}", said.err);
     let trace = read(&whole, "trace.csv");
     let (header, rows) = trace.split_once('\n').unwrap();
-    let behind: Vec<_> = rows.split_inclusive('\n').skip(rows_before).collect();
-    assert!(!behind.is_empty());
-    assert!(read(&rest, "trace.csv") == format!("{header}\n{}", behind.concat()), "{checkpoint}: rows differ");
+    let later: Vec<_> = rows.split_inclusive('\n').skip(rows_before).collect();
+    assert!(!later.is_empty());
+    assert!(read(&rest, "trace.csv") == format!("{header}\n{}", later.concat()), "{checkpoint}: rows differ");
     for file in ["verdict.json", "signals.json"] {
         assert_eq!(read(&rest, file), read(&whole, file), "{checkpoint}: {file}");
     }
 }
 
 #[test]
-fn a_flight_that_was_saved_at_40_s_goes_on_to_the_same_landing() {
+fn a_scenario_that_was_saved_at_40_s_continues_to_the_same_end() {
     let home = tempfile::tempdir().unwrap();
     let file = home.path().join("at40");
     let save = ["--save-at", "40s", file.to_str().unwrap()];
-    let said = fly("scenarios/first_flight.scn", &home.path().join("whole"), &save);
+    let said = run_script("scenarios/first_flight.scn", &home.path().join("whole"), &save);
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert!(said.err.contains(&format!("saved {} at 40 s\n", file.display())), "{}", said.err);
     continues("scenarios/first_flight.scn", home.path(), "at40", 8001);
@@ -95,9 +95,9 @@ fn a_run_continues_from_each_of_its_ticks() {
     let times: Vec<_> = (0..12).map(|tick| format!("{} ms", tick * 10)).collect();
     let saves: Vec<_> =
         times.iter().zip(&files).flat_map(|(time, file)| ["--save-at", time.as_str(), file.as_str()]).collect();
-    let unsaved = fly(script, &home.path().join("unsaved"), &[]);
+    let unsaved = run_script(script, &home.path().join("unsaved"), &[]);
     assert!(unsaved.code.is_some_and(|code| code < 2), "{}", unsaved.err);
-    assert_eq!(fly(script, &home.path().join("whole"), &saves).code, unsaved.code);
+    assert_eq!(run_script(script, &home.path().join("whole"), &saves).code, unsaved.code);
     for file in ["trace.csv", "verdict.json"] {
         let [saved, unsaved] = ["whole", "unsaved"].map(|run| read(&home.path().join(run), file));
         assert!(saved == unsaved, "{file} of a run that is saved");
@@ -117,7 +117,7 @@ fn a_checkpoint_is_the_same_in_every_placement_and_continues_in_every_other() {
         let file = |tick: usize| home.path().join(format!("{out}{tick}")).display().to_string();
         let files = [0, 3, 7].map(file);
         let saves = ["--save-at", "0s", &files[0], "--save-at", "30ms", &files[1], "--save-at", "70ms", &files[2]];
-        let said = fly(script, &home.path().join(out), &[&saves, more].concat());
+        let said = run_script(script, &home.path().join(out), &[&saves, more].concat());
         assert!(said.code.is_some_and(|code| code < 2), "{out}: {}", said.err);
     }
     for tick in [0, 3, 7] {
@@ -128,40 +128,40 @@ fn a_checkpoint_is_the_same_in_every_placement_and_continues_in_every_other() {
 }
 
 #[test]
-fn a_run_that_continued_saves_what_the_whole_run_saves() {
+fn a_continued_run_saves_the_same_checkpoint_as_the_whole_run() {
     let home = tempfile::tempdir().unwrap();
     let at = |name: &str| home.path().join(name).display().to_string();
     let [early, late, again] = ["early", "late", "again"].map(at);
     let script = "scenarios/breeze.scn";
     let saves = ["--save-at", "10s", &early, "--save-at", "20.01s", &late];
-    assert_eq!(fly(script, &home.path().join("whole"), &saves).code, Some(0));
-    let said = fly(script, &home.path().join("rest"), &["--from", &early, "--save-at", "20.01s", &again]);
+    assert_eq!(run_script(script, &home.path().join("whole"), &saves).code, Some(0));
+    let said = run_script(script, &home.path().join("rest"), &["--from", &early, "--save-at", "20.01s", &again]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert!(fs::read(late).unwrap() == fs::read(again).unwrap());
 }
 
 #[test]
-fn a_run_that_ends_before_it_is_saved_says_so_and_leaves_no_file() {
+fn a_run_that_ends_before_its_save_time_warns_and_leaves_no_file() {
     let home = tempfile::tempdir().unwrap();
     let file = home.path().join("late");
     let slow = ["--set", "speed = 4 m/s", "--set", "gustiness = 12 m/s", "--fail-fast"];
     let save = ["--save-at", "83s", file.to_str().unwrap()];
-    let said = fly("scenarios/breeze.scn", &home.path().join("run"), &[&slow[..], &save].concat());
+    let said = run_script("scenarios/breeze.scn", &home.path().join("run"), &[&slow[..], &save].concat());
     assert_eq!(said.code, Some(1), "{}", said.err);
     let warning = said.err.lines().find(|line| line.starts_with("warning: ")).unwrap();
-    let told = warning.replace(file.to_str().unwrap(), "late");
-    assert!(told.starts_with("warning: late was not saved: the run ended at "), "{told}");
-    assert!(told.ends_with(" s and was to be saved at 83 s"), "{told}");
+    let text = warning.replace(file.to_str().unwrap(), "late");
+    assert!(text.starts_with("warning: late was not saved: the run ended at "), "{text}");
+    assert!(text.ends_with(" s and was to be saved at 83 s"), "{text}");
     let left: Vec<_> = fs::read_dir(home.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(left, ["run"]);
 }
 
-/// What a refused run said, which left nothing; paths in the folder are told relative to it.
+/// The command and the messages of a refused run, which must leave no file; paths are relative to the folder.
 fn refused(folder: &TempDir, arguments: &[&str]) -> String {
     let home = folder.path().to_str().unwrap();
     let script = folder.path().join("a.scn");
     let out = folder.path().join("run");
-    let said = fly(script.to_str().unwrap(), &out, arguments);
+    let said = run_script(script.to_str().unwrap(), &out, arguments);
     assert_eq!((said.code, said.out.as_str()), (Some(2), ""), "{arguments:?}: {}", said.err);
     assert!(!out.exists(), "{arguments:?}");
     let relative = |text: &str| text.replace(&format!("{home}/"), "");
@@ -171,14 +171,14 @@ fn refused(folder: &TempDir, arguments: &[&str]) -> String {
 const SHORT: &str = "scenario \"A short run\"\nparam dt = 10 ms\nparam speed = 5 m/s\nstep dt\nstop 1 s\n\
                      fmu path = \"trajectory\" { speed = speed }\nrecord path.setpoint.position\n";
 
-/// A folder with a script and, in `at`, a checkpoint of its run at half a second.
+/// A folder with a script, and the path of a checkpoint of its run at half a second.
 fn saved() -> (TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     let script = folder.path().join("a.scn");
     fs::write(&script, SHORT).unwrap();
     let at = folder.path().join("at").display().to_string();
     let out = folder.path().join("saved");
-    let said = fly(script.to_str().unwrap(), &out, &["--save-at", "500ms", &at]);
+    let said = run_script(script.to_str().unwrap(), &out, &["--save-at", "500ms", &at]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     (folder, at)
 }
@@ -204,7 +204,7 @@ fn a_time_at_which_nothing_can_be_saved_is_refused_with_its_neighbours() {
     insta::assert_snapshot!(commands.map(|arguments| refused(&folder, arguments)).concat());
 }
 
-/// The same unit in an archive of other bytes.
+/// Writes the same unit as an archive with other bytes.
 fn repacked(from: &Path, to: &Path) {
     let mut unit = ZipArchive::new(File::open(from).unwrap()).unwrap();
     let mut other = ZipWriter::new(File::create(to).unwrap());
@@ -216,15 +216,15 @@ fn repacked(from: &Path, to: &Path) {
 }
 
 #[test]
-fn what_differs_from_the_run_that_was_saved_is_told() {
+fn differences_from_the_saved_run_are_reported() {
     let (folder, at) = saved();
     let script = folder.path().join("a.scn");
     let missing = folder.path().join("missing").display().to_string();
     let trace = folder.path().join("saved/trace.csv").display().to_string();
-    let mut told = refused(&folder, &["--from", &at, "--set", "speed = 6 m/s"]);
-    told += &refused(&folder, &["--from", &at, "--set", "dt = 5 ms", "--set", "seed = 2"]);
-    told += &refused(&folder, &["--from", &missing]);
-    told += &refused(&folder, &["--from", &trace]);
+    let mut text = refused(&folder, &["--from", &at, "--set", "speed = 6 m/s"]);
+    text += &refused(&folder, &["--from", &at, "--set", "dt = 5 ms", "--set", "seed = 2"]);
+    text += &refused(&folder, &["--from", &missing]);
+    text += &refused(&folder, &["--from", &trace]);
     let packed = run(&repository(), &["pack", "trajectory"]);
     let units = folder.path().join("units");
     fs::create_dir(&units).unwrap();
@@ -233,12 +233,12 @@ fn what_differs_from_the_run_that_was_saved_is_told() {
     let hash = |text: &str| text.split("sha256 ").skip(1).map(|rest| rest[..12].to_owned()).collect::<Vec<_>>();
     let [was, is] = &hash(&said)[..] else { panic!("{said}") };
     assert_ne!(was, is);
-    told += &said.replace(was, "(was)").replace(is, "(is)");
+    text += &said.replace(was, "(was)").replace(is, "(is)");
     fs::write(&script, SHORT.replace("A short run", "Another run")).unwrap();
     let said = refused(&folder, &["--from", &at]);
     let [was, is] = &hash(&said)[..] else { panic!("{said}") };
-    told += &said.replace(was, "(was)").replace(is, "(is)");
-    insta::assert_snapshot!(told);
+    text += &said.replace(was, "(was)").replace(is, "(is)");
+    insta::assert_snapshot!(text);
 }
 
 #[test]
@@ -271,11 +271,11 @@ fn units_that_cannot_save_their_state_are_named_at_once_before_the_run() {
                   fmu a = \"foreign.fmu\"\nfmu b = \"half.fmu\"\nfmu c = \"foreign.fmu\"\n";
     fs::write(folder.path().join("a.scn"), script).unwrap();
     let to = folder.path().join("to").display().to_string();
-    let told = refused(&folder, &["--save-at", "500ms", &to]) + &refused(&folder, &["--from", &to]);
-    insta::assert_snapshot!(told);
+    let text = refused(&folder, &["--save-at", "500ms", &to]) + &refused(&folder, &["--from", &to]);
+    insta::assert_snapshot!(text);
 }
 
-/// A folder with a script and a unit in C that says that it saves its state.
+/// A folder with a script and a unit in C that declares that it saves its state.
 fn foreign(defines: &[&str]) -> TempDir {
     let (folder, _) = Foreign { defines, description: &[CLAIMS_STATES], ..Foreign::default() }.build();
     let script = "scenario \"A foreign unit\"\nstep 100 ms\nstop 1 s\nfmu a = \"foreign.fmu\" { label = \"mine\" }\n\
@@ -288,28 +288,28 @@ fn foreign(defines: &[&str]) -> TempDir {
 }
 
 #[test]
-fn a_foreign_unit_is_saved_and_continued_by_the_functions_of_the_standard() {
+fn a_foreign_unit_is_saved_and_continued_with_the_functions_of_the_standard() {
     let folder = foreign(&["WITH_STATES"]);
     let script = folder.path().join("a.scn");
     let script = script.to_str().unwrap();
     for tick in 0..10 {
         let file = folder.path().join("at").display().to_string();
-        let said = fly(script, &folder.path().join("whole"), &["--save-at", &format!("{tick}00ms"), &file]);
+        let said = run_script(script, &folder.path().join("whole"), &["--save-at", &format!("{tick}00ms"), &file]);
         assert_eq!(said.code, Some(0), "{}", said.err);
         continues(script, folder.path(), "at", tick + 1);
     }
 }
 
 #[test]
-fn a_unit_that_promised_too_much_breaks_the_run_and_is_named() {
-    for (define, words) in [
+fn a_unit_that_cannot_save_its_state_as_declared_breaks_the_run_and_is_named() {
+    for (define, message) in [
         ("STEP_TAKES_US=0", "fmi2GetFMUstate returned fmi2Error at 0.5 s"),
         ("WITHOUT_STATES", "its library lacks the function `fmi2GetFMUstate` of its modelDescription.xml, at 0.5 s"),
     ] {
         let folder = foreign(&[define]);
         let said = run(folder.path(), &["run", "a.scn", "--save-at", "500ms", "to"]);
         assert_eq!(said.code, Some(3), "{}", said.err);
-        assert!(said.err.contains(&format!("error: `a`: {words}\n")), "{}", said.err);
+        assert!(said.err.contains(&format!("error: `a`: {message}\n")), "{}", said.err);
         assert!(said.err.contains("warning: to was not saved: the run broke at 0.5 s"), "{}", said.err);
         assert!(!folder.path().join("to").exists());
     }

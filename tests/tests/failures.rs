@@ -1,4 +1,4 @@
-//! Units that crash, hang, exit or lie end a run with exit code 3, are named with call and time, and cost no row.
+//! Units that crash, hang, exit or return errors end a run with exit code 3; call and time are named, no row is lost.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::path::Path;
@@ -8,10 +8,10 @@ use tests::program::{Said, run};
 const SCRIPT: &str = "scenario \"A unit misbehaves\"\nstep 100 ms\nstop 1 s\nfmu rogue = \"foreign.fmu\"\n\
                       time -> rogue.u\nassert small: always rogue.y < 100\n";
 
-/// All instances in one process, and each in one of its own.
+/// All instances in one process, and each in its own process.
 const PLACEMENTS: [&[&str]; 2] = [&[], &["--isolate"]];
 
-/// Runs a unit that misbehaves in `call` as `how` says, from half a second on where that can be said.
+/// Runs a unit that misbehaves in `call` as given by `how`; in calls during the run, from half a second on.
 fn misbehaving(call: &str, how: &str, placement: &[&str]) -> (tempfile::TempDir, Said) {
     let defines =
         [format!("MISBEHAVE_CALL={call}"), format!("MISBEHAVE_HOW={how}"), "MISBEHAVE_FROM_S=0.45".to_owned()];
@@ -24,14 +24,14 @@ fn misbehaving(call: &str, how: &str, placement: &[&str]) -> (tempfile::TempDir,
     (folder, said)
 }
 
-/// The rows that were kept, header left out.
+/// The number of rows that were kept, without the header.
 fn rows(folder: &Path) -> usize {
     let whole = folder.join("runs/rogue/trace.csv");
     let kept = if whole.is_file() { whole } else { whole.with_extension("csv.partial") };
     std::fs::read_to_string(kept).unwrap_or_default().lines().skip(1).count()
 }
 
-/// What the standard calls it, the time that the message names, and how many rows are kept.
+/// The call in `unit.c`, its name in the message, the time in the message, and the number of rows that are kept.
 const CALLS: [(&str, &str, &str, usize); 10] = [
     ("LOAD", "the loading of its library", "", 0),
     ("INSTANTIATE", "fmi2Instantiate", "", 0),
@@ -45,18 +45,19 @@ const CALLS: [(&str, &str, &str, usize); 10] = [
     ("FREE", "fmi2FreeInstance", "at 1 s", 11),
 ];
 
-fn each_call(how: &str, words: &[&str]) {
-    PLACEMENTS.iter().for_each(|placement| each_call_of(how, words, placement));
+fn each_call(how: &str, reasons: &[&str]) {
+    PLACEMENTS.iter().for_each(|placement| each_call_of(how, reasons, placement));
 }
 
-fn each_call_of(how: &str, words: &[&str], placement: &[&str]) {
+/// The error must contain one of the `reasons`.
+fn each_call_of(how: &str, reasons: &[&str], placement: &[&str]) {
     for (call, name, time, kept_rows) in CALLS {
         let (folder, said) = misbehaving(call, how, placement);
         let error = said.err.lines().find(|line| line.starts_with("error: ")).unwrap_or_default();
         let expected = ["`rogue`", name, time].iter().all(|part| error.contains(part));
-        let told = words.iter().any(|word| error.contains(word));
-        assert!(said.code == Some(3) && expected && told, "{call} {how}: {:?}\n{}", said.code, said.err);
-        // A process of its own is missed when its result is due, not when it was ordered.
+        let has_reason = reasons.iter().any(|reason| error.contains(reason));
+        assert!(said.code == Some(3) && expected && has_reason, "{call} {how}: {:?}\n{}", said.code, said.err);
+        // With a process of its own, a failure is detected when the result is due, not when the call is ordered.
         let more_rows = usize::from(!placement.is_empty() && ["SET", "STEP"].contains(&call));
         assert_eq!(rows(folder.path()), kept_rows + more_rows, "{call} {how}: rows");
         let record = std::fs::read_to_string(folder.path().join("runs/rogue/run.json")).unwrap();
@@ -75,7 +76,7 @@ fn an_abort_in_any_call_is_named() {
 }
 
 #[test]
-fn an_exit_with_code_0_in_any_call_is_no_success() {
+fn an_exit_with_code_0_in_any_call_is_a_failure() {
     each_call("EXIT_0", &["ended its process (exit code 0)"]);
 }
 
@@ -104,8 +105,8 @@ fn a_unit_that_computes_for_ever_is_ended_and_named() {
 }
 
 #[test]
-fn a_status_that_is_no_success_breaks_the_run() {
-    let told = [
+fn an_error_status_breaks_the_run() {
+    let failures = [
         ("STEP", "ERROR_STATUS", "fmi2DoStep returned fmi2Error at 0.5 s"),
         ("STEP", "FATAL", "fmi2DoStep returned fmi2Fatal at 0.5 s"),
         ("STEP", "STATUS_42", "fmi2DoStep returned 42, which is no status of FMI 2.0, at 0.5 s"),
@@ -113,13 +114,13 @@ fn a_status_that_is_no_success_breaks_the_run() {
         ("ENTER", "ERROR_STATUS", "fmi2EnterInitializationMode returned fmi2Error"),
         ("INSTANTIATE", "NO_INSTANCE", "fmi2Instantiate returned NULL"),
     ];
-    for (call, how, words) in told {
+    for (call, how, message) in failures {
         for placement in PLACEMENTS {
             let (folder, said) = misbehaving(call, how, placement);
             assert_eq!(said.code, Some(3), "{call} {how}: {}", said.err);
-            assert!(said.err.contains(&format!("error: `rogue`: {words}")), "{call} {how}: {}", said.err);
+            assert!(said.err.contains(&format!("error: `rogue`: {message}")), "{call} {how}: {}", said.err);
             assert!(said.err.contains("rogue  ") || call == "INSTANTIATE", "{call} {how}: it says why: {}", said.err);
-            // A status counts when the result is due, in every placement.
+            // A status takes effect when the result is due, in every placement.
             let kept_rows = if ["STEP", "SET"].contains(&call) { 6 } else { 0 };
             assert_eq!(rows(folder.path()), kept_rows, "{call} {how} {placement:?}: rows");
         }
@@ -127,7 +128,7 @@ fn a_status_that_is_no_success_breaks_the_run() {
 }
 
 #[test]
-fn the_unit_that_fails_while_boarding_is_named_even_if_another_crashes_when_it_is_freed() {
+fn the_unit_that_fails_during_initialization_is_named_even_if_another_crashes_when_it_is_freed() {
     let (folder, _) =
         Foreign { defines: &["MISBEHAVE_CALL=FREE", "MISBEHAVE_HOW=CRASH"], ..Foreign::default() }.build();
     let failures = [
@@ -135,7 +136,7 @@ fn the_unit_that_fails_while_boarding_is_named_even_if_another_crashes_when_it_i
         ("SETUP", "ERROR_STATUS", "fmi2SetupExperiment returned fmi2Error"),
         ("ENTER", "ERROR_STATUS", "fmi2EnterInitializationMode returned fmi2Error"),
     ];
-    for (call, how, words) in failures {
+    for (call, how, message) in failures {
         let defines = [format!("MISBEHAVE_CALL={call}"), format!("MISBEHAVE_HOW={how}")];
         let (other, fmu) = Foreign { defines: &[&defines[0], &defines[1]], ..Foreign::default() }.build();
         std::fs::copy(fmu, folder.path().join("other.fmu")).unwrap();
@@ -146,13 +147,13 @@ fn the_unit_that_fails_while_boarding_is_named_even_if_another_crashes_when_it_i
         for placement in PLACEMENTS {
             let said = run(folder.path(), &[&["run", "two.scn"], placement].concat());
             assert_eq!(said.code, Some(3), "{call}: {}", said.err);
-            assert!(said.err.contains(&format!("error: `late`: {words}")), "{call}: {}", said.err);
+            assert!(said.err.contains(&format!("error: `late`: {message}")), "{call}: {}", said.err);
         }
     }
 }
 
 #[test]
-fn a_value_that_is_no_number_is_named_with_its_variable() {
+fn a_value_that_is_nan_is_named_with_its_variable() {
     for placement in PLACEMENTS {
         let (_folder, said) = misbehaving("STEP", "NOT_A_NUMBER", placement);
         assert_eq!(said.code, Some(3), "{}", said.err);
@@ -161,14 +162,17 @@ fn a_value_that_is_no_number_is_named_with_its_variable() {
 }
 
 #[test]
-fn a_warning_is_told_and_the_run_goes_on() {
-    let told = PLACEMENTS.map(|placement| {
+fn a_warning_is_logged_and_the_run_continues() {
+    let messages = PLACEMENTS.map(|placement| {
         let (folder, said) = misbehaving("STEP", "WARNING", placement);
         assert_eq!(said.code, Some(0), "{}", said.err);
         assert!(said.err.contains("asked to return 1 at 0.500 s"), "{}", said.err);
         assert_eq!(rows(folder.path()), 11);
-        let words = said.err.lines().filter(|line| line.contains(" s  rogue  ")).map(str::to_owned);
-        words.collect::<Vec<_>>()
+        let lines = said.err.lines().filter(|line| line.contains(" s  rogue  ")).map(str::to_owned);
+        lines.collect::<Vec<_>>()
     });
-    assert!(told[0].len() > 5 && told[0] == told[1], "words are the same in every placement: {told:?}");
+    assert!(
+        messages[0].len() > 5 && messages[0] == messages[1],
+        "messages are the same in every placement: {messages:?}"
+    );
 }

@@ -1,4 +1,4 @@
-//! Runs that somebody interrupts, suspends or kills, or that find their folder taken or full, end as they should.
+//! Runs that are interrupted, suspended or killed, or whose folder is in use or full, end as specified.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::fs;
@@ -10,21 +10,21 @@ use tests::flight::{Flight, is_alive, signal, until};
 use tests::foreign::Foreign;
 use tests::program::{Said, lockstep, run};
 
-/// A run that nobody waits for to end.
+/// A run that is too long to be waited for.
 const LONG: &str = "scenario \"A unit flies for days\"\nstep 1 ms\nstop 100000 s\nfmu probe = \"foreign.fmu\"\n\
                     time / 1 s -> probe.u\nassert early: eventually probe.count > 10\n\
                     assert late: eventually probe.y < -1\nrecord probe.y, probe.count\n";
-/// From the fifth step on the unit does not come back.
+/// From the fifth step on, `fmi2DoStep` does not return.
 const HANGING: [&str; 3] = ["MISBEHAVE_CALL=STEP", "MISBEHAVE_HOW=HANG", "MISBEHAVE_FROM_S=0.0045"];
 
 /// A folder with the unit and `long.scn`.
-fn hangar(defines: &[&str]) -> TempDir {
+fn folder_with_unit(defines: &[&str]) -> TempDir {
     let (folder, _) = Foreign { defines, ..Foreign::default() }.build();
     fs::write(folder.path().join("long.scn"), LONG).unwrap();
     folder
 }
 
-/// The trace of a run, whole or not.
+/// The trace of a run, complete or partial.
 fn trace(out: &Path) -> PathBuf {
     let whole = out.join("trace.csv");
     if whole.is_file() { whole } else { out.join("trace.csv.partial") }
@@ -34,7 +34,7 @@ fn await_rows(out: &Path) {
     until("recorded rows", || fs::metadata(trace(out)).is_ok_and(|file| file.len() > 1000));
 }
 
-/// The rows of a trace in which nothing is cut.
+/// The number of rows of a trace; each must be complete.
 fn whole_rows(out: &Path) -> usize {
     let text = fs::read_to_string(trace(out)).unwrap();
     assert!(text.ends_with('\n'), "the last line is whole");
@@ -47,23 +47,23 @@ fn state(out: &Path) -> String {
     record["state"].as_str().unwrap().to_owned()
 }
 
-/// How a run ended that had the time to clean up.
-fn ended(flight: &mut Flight) -> Said {
-    let said = flight.end();
-    assert_eq!(flight.temporary_folders(), Vec::<PathBuf>::new(), "temporary folders are gone");
+/// Waits for the end of a run, which must have removed its temporary folders.
+fn ended(program: &mut Flight) -> Said {
+    let said = program.end();
+    assert_eq!(program.temporary_folders(), Vec::<PathBuf>::new(), "temporary folders are gone");
     said
 }
 
 #[test]
-fn ctrl_c_and_the_wish_to_terminate_end_a_run_cleanly_and_keep_whole_rows() {
-    let folder = hangar(&[]);
+fn sigint_and_sigterm_end_a_run_cleanly_and_keep_whole_rows() {
+    let folder = folder_with_unit(&[]);
     for name in ["INT", "TERM"] {
         let out = folder.path().join(name);
-        let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--out", name]);
+        let mut program = Flight::start(folder.path(), &["run", "long.scn", "--out", name]);
         await_rows(&out);
-        assert_eq!(flight.temporary_folders().len(), 1);
-        signal(name, flight.id());
-        let said = ended(&mut flight);
+        assert_eq!(program.temporary_folders().len(), 1);
+        signal(name, program.id());
+        let said = ended(&mut program);
         assert_eq!(said.code, Some(130), "{name}: {}", said.err);
         assert!(whole_rows(&out) > 10, "{name}");
         assert!(["trace.csv", "trace.parquet"].iter().all(|file| out.join(file).is_file()), "{name}");
@@ -77,40 +77,41 @@ fn ctrl_c_and_the_wish_to_terminate_end_a_run_cleanly_and_keep_whole_rows() {
 }
 
 #[test]
-fn a_second_ctrl_c_ends_a_unit_that_does_not_come_back() {
-    let folder = hangar(&HANGING);
+fn a_second_ctrl_c_ends_a_unit_whose_call_does_not_return() {
+    let folder = folder_with_unit(&HANGING);
     let out = folder.path().join("runs/long");
-    let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--step-timeout", "0"]);
+    let mut program = Flight::start(folder.path(), &["run", "long.scn", "--step-timeout", "0"]);
     until("the rows before the unit hangs", || fs::read_to_string(trace(&out)).is_ok_and(|t| t.lines().count() > 5));
-    let stepping = flight.stepping_process();
-    signal("INT", flight.id());
-    until("a word about the first Ctrl-C", || flight.said().contains("once more ends at once"));
-    assert!(!flight.is_over(), "the first Ctrl-C waits for the step");
-    signal("INT", flight.id());
-    let said = ended(&mut flight);
+    let stepping = program.stepping_process();
+    signal("INT", program.id());
+    until("the message about the first Ctrl-C", || program.said().contains("once more ends at once"));
+    assert!(!program.is_over(), "the first Ctrl-C waits for the step");
+    signal("INT", program.id());
+    let said = ended(&mut program);
     assert_eq!(said.code, Some(130), "{}", said.err);
     assert_eq!((whole_rows(&out), state(&out).as_str()), (5, "interrupted"));
     assert!(!is_alive(stepping));
 }
 
-/// Stopped in a step, which the parent has seen, and found there still when the parent goes on first.
+/// The stepping process is stopped in a step of which the parent knows, and is still in it when the parent continues
+/// first.
 #[test]
-fn a_run_that_was_suspended_for_longer_than_a_step_may_take_goes_on() {
-    let folder = hangar(&["STEP_TAKES_US=5000"]);
+fn a_run_that_was_suspended_for_longer_than_the_step_timeout_continues() {
+    let folder = folder_with_unit(&["STEP_TAKES_US=5000"]);
     let out = folder.path().join("runs/long");
     fs::write(folder.path().join("long.scn"), LONG.replace("100000 s", "200 ms")).unwrap();
-    let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--step-timeout", "600ms"]);
-    let (parent, stepping) = (flight.id(), flight.stepping_process());
-    until("the first step", || flight.said().contains("probe  info"));
+    let mut program = Flight::start(folder.path(), &["run", "long.scn", "--step-timeout", "600ms"]);
+    let (parent, stepping) = (program.id(), program.stepping_process());
+    until("the first step", || program.said().contains("probe  info"));
     signal("STOP", stepping);
     sleep(Duration::from_millis(50));
     signal("STOP", parent);
     sleep(Duration::from_millis(900));
-    assert!(!flight.is_over(), "it is suspended in mid-run");
+    assert!(!program.is_over(), "it is suspended in mid-run");
     signal("CONT", parent);
     sleep(Duration::from_millis(50));
     signal("CONT", stepping);
-    let said = ended(&mut flight);
+    let said = ended(&mut program);
     assert_eq!(said.code, Some(1), "{}", said.err);
     assert!(said.out.contains("FAILED  late ") && said.out.contains("ok      early "), "{}", said.out);
     assert_eq!(whole_rows(&out), 201);
@@ -119,13 +120,13 @@ fn a_run_that_was_suspended_for_longer_than_a_step_may_take_goes_on() {
 #[test]
 fn a_stepping_process_does_not_outlive_a_killed_parent_and_the_rows_stay_readable() {
     for defines in [&[][..], &HANGING[..]] {
-        let folder = hangar(defines);
+        let folder = folder_with_unit(defines);
         let out = folder.path().join("runs/long");
-        let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--step-timeout", "0"]);
-        let stepping = flight.stepping_process();
+        let mut program = Flight::start(folder.path(), &["run", "long.scn", "--step-timeout", "0"]);
+        let stepping = program.stepping_process();
         until("recorded rows", || fs::read_to_string(trace(&out)).is_ok_and(|text| text.lines().count() > 5));
-        signal("KILL", flight.id());
-        assert_eq!(flight.end().code, None);
+        signal("KILL", program.id());
+        assert_eq!(program.end().code, None);
         until("the end of the stepping process", || !is_alive(stepping));
         assert_eq!(state(&out), "running");
         let plot = run(folder.path(), &["plot", "runs/long"]);
@@ -140,12 +141,12 @@ fn a_stepping_process_does_not_outlive_a_killed_parent_and_the_rows_stay_readabl
 
 #[test]
 fn a_killed_stepping_process_breaks_the_run_and_the_signal_is_named() {
-    let folder = hangar(&[]);
+    let folder = folder_with_unit(&[]);
     let out = folder.path().join("runs/long");
-    let mut flight = Flight::start(folder.path(), &["run", "long.scn"]);
+    let mut program = Flight::start(folder.path(), &["run", "long.scn"]);
     await_rows(&out);
-    signal("KILL", flight.stepping_process());
-    let said = ended(&mut flight);
+    signal("KILL", program.stepping_process());
+    let said = ended(&mut program);
     assert_eq!(said.code, Some(3), "{}", said.err);
     assert!(said.err.contains(" died of signal 9 (SIGKILL) "), "{}", said.err);
     assert!(whole_rows(&out) > 10);
@@ -153,8 +154,8 @@ fn a_killed_stepping_process_breaks_the_run_and_the_signal_is_named() {
 }
 
 #[test]
-fn a_run_into_the_folder_of_one_that_goes_on_is_refused() {
-    let folder = hangar(&[]);
+fn a_run_into_the_folder_of_another_running_one_is_refused() {
+    let folder = folder_with_unit(&[]);
     let out = folder.path().join("runs/long");
     let mut first = Flight::start(folder.path(), &["run", "long.scn"]);
     await_rows(&out);
@@ -168,12 +169,12 @@ fn a_run_into_the_folder_of_one_that_goes_on_is_refused() {
     );
     signal("INT", first.id());
     assert_eq!(ended(&mut first).code, Some(130));
-    assert!(whole_rows(&out) > 10, "the first run did not notice");
+    assert!(whole_rows(&out) > 10, "the first run was not affected");
 }
 
 #[test]
-fn a_folder_with_other_files_is_refused_and_left_alone() {
-    let folder = hangar(&[]);
+fn a_folder_with_other_files_is_refused_and_not_changed() {
+    let folder = folder_with_unit(&[]);
     fs::create_dir(folder.path().join("thesis")).unwrap();
     fs::write(folder.path().join("thesis/chapter.tex"), "words").unwrap();
     let said = run(folder.path(), &["run", "long.scn", "--out", "thesis"]);
@@ -186,10 +187,10 @@ fn a_folder_with_other_files_is_refused_and_left_alone() {
     assert_eq!(fs::read_dir(folder.path().join("thesis")).unwrap().count(), 1);
 }
 
-/// The system refuses to let any file grow beyond some 8 to 16 MB, as a full disk refuses.
+/// A limit on the file size of 8 to 16 MB makes writes fail as a full disk does.
 #[test]
-fn a_trace_that_cannot_grow_breaks_the_run_and_what_was_written_stays_readable() {
-    let folder = hangar(&[]);
+fn a_trace_that_cannot_grow_breaks_the_run_and_the_written_rows_stay_readable() {
+    let folder = folder_with_unit(&[]);
     let out = folder.path().join("runs/long");
     let mut shell = std::process::Command::new("sh");
     shell.args(["-c", "trap '' XFSZ; ulimit -f 16384; exec \"$0\" run long.scn"]).arg(lockstep());

@@ -1,4 +1,4 @@
-//! Runs whose instances have a process each: the same bytes, whatever the script does, and no process is missed in silence.
+//! Runs with a process for each instance: the same bytes for any script, and each lost process is reported.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::fs;
@@ -12,7 +12,8 @@ use tests::flight::{Flight, is_alive, signal, until};
 use tests::foreign::Foreign;
 use tests::program::{Said, lockstep, repository, run};
 
-/// Mixed periods, both arrows, waves, a slow unit beside fast ones, a window, claims of every kind, words of units.
+/// Mixed periods, both kinds of connection, several waves, a slow unit beside fast ones, a window, claims of every
+/// kind, log messages of units.
 const MIXED: &str = "scenario \"Everything at once\"\nstep 10 ms\nstop 900 ms\n\
     fmu a = \"foreign.fmu\"\nfmu b = \"foreign.fmu\" every 30 ms\nfmu c = \"foreign.fmu\"\n\
     fmu slow = \"foreign.fmu\" every 200 ms\nfmu d = \"foreign.fmu\" every 20 ms\n\
@@ -26,7 +27,7 @@ const LONG: &str = "scenario \"Two units fly for days\"\nstep 1 ms\nstop 100000 
     record probe.y, probe.count, other.y\n";
 
 /// A folder with the unit and a script of this name.
-fn hangar(defines: &[&str], name: &str, script: &str) -> TempDir {
+fn folder_with_unit(defines: &[&str], name: &str, script: &str) -> TempDir {
     let (folder, _) = Foreign { defines, ..Foreign::default() }.build();
     fs::write(folder.path().join(name), script).unwrap();
     folder
@@ -46,22 +47,26 @@ fn state(out: &Path) -> String {
     record["state"].as_str().unwrap().to_owned()
 }
 
-/// How a run ended, that left neither processes nor files behind.
-fn ended(flight: &mut Flight, workers: &[u32]) -> Said {
-    let said = flight.end();
-    assert_eq!(flight.temporary_folders(), Vec::<PathBuf>::new(), "temporary folders are gone: {}", said.err);
+/// Waits for the end of a run, which must leave neither processes nor temporary folders.
+fn ended(program: &mut Flight, workers: &[u32]) -> Said {
+    let said = program.end();
+    assert_eq!(program.temporary_folders(), Vec::<PathBuf>::new(), "temporary folders are gone: {}", said.err);
     until("the end of all workers", || !workers.iter().any(|&worker| is_alive(worker)));
     said
 }
 
-/// Lines of units' words, without progress.
-fn words(said: &Said) -> Vec<&str> {
+/// Lines with log messages of units, without progress.
+fn messages(said: &Said) -> Vec<&str> {
     said.err.lines().filter(|line| line.contains(" s  ") && !line.contains('%')).collect()
 }
 
 #[test]
-fn whatever_a_script_does_its_files_and_words_are_the_same() {
-    let folder = hangar(&["MISBEHAVE_CALL=STEP", "MISBEHAVE_HOW=WARNING", "MISBEHAVE_FROM_S=0.35"], "mixed.scn", MIXED);
+fn the_files_and_log_messages_of_a_script_are_the_same_with_and_without_isolation() {
+    let folder = folder_with_unit(
+        &["MISBEHAVE_CALL=STEP", "MISBEHAVE_HOW=WARNING", "MISBEHAVE_FROM_S=0.35"],
+        "mixed.scn",
+        MIXED,
+    );
     for more in [&[][..], &["--fail-fast"]] {
         let together = run(folder.path(), &[&["run", "mixed.scn", "--out", "together"], more].concat());
         let isolated = run(folder.path(), &[&["run", "mixed.scn", "--out", "isolated", "--isolate"], more].concat());
@@ -73,16 +78,16 @@ fn whatever_a_script_does_its_files_and_words_are_the_same() {
                 ["together", "isolated"].map(|out| fs::read(folder.path().join(out).join(file)).unwrap());
             assert!(one == other, "{file}");
         }
-        assert!(words(&together).len() > 8, "{}", together.err);
-        assert_eq!(words(&together), words(&isolated));
+        assert!(messages(&together).len() > 8, "{}", together.err);
+        assert_eq!(messages(&together), messages(&isolated));
     }
 }
 
 #[test]
-fn a_unit_that_ends_by_itself_ends_the_run_at_the_same_row() {
+fn a_unit_that_terminates_ends_the_run_at_the_same_row() {
     for from_s in ["0.35", "0.4"] {
         let from = format!("MISBEHAVE_FROM_S={from_s}");
-        let folder = hangar(&["MISBEHAVE_CALL=STEP", "MISBEHAVE_HOW=TERMINATED", &from], "mixed.scn", MIXED);
+        let folder = folder_with_unit(&["MISBEHAVE_CALL=STEP", "MISBEHAVE_HOW=TERMINATED", &from], "mixed.scn", MIXED);
         for (out, more) in [("together", &[][..]), ("isolated", &["--isolate"])] {
             let said = run(folder.path(), &[&["run", "mixed.scn", "--out", out], more].concat());
             assert!(said.code.is_some_and(|code| [0, 1, 4].contains(&code)), "{}", said.err);
@@ -94,41 +99,41 @@ fn a_unit_that_ends_by_itself_ends_the_run_at_the_same_row() {
 
 #[test]
 fn ctrl_c_ends_all_workers_and_keeps_whole_rows() {
-    let folder = hangar(&[], "long.scn", LONG);
+    let folder = folder_with_unit(&[], "long.scn", LONG);
     for name in ["INT", "TERM"] {
         let out = folder.path().join(name);
-        let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--isolate", "--out", name]);
-        let workers = flight.children(2);
+        let mut program = Flight::start(folder.path(), &["run", "long.scn", "--isolate", "--out", name]);
+        let workers = program.children(2);
         until("recorded rows", || rows(&out) > 20);
-        signal(name, flight.id());
-        let said = ended(&mut flight, &workers);
+        signal(name, program.id());
+        let said = ended(&mut program, &workers);
         assert_eq!((said.code, state(&out).as_str()), (Some(130), "interrupted"), "{}", said.err);
         assert!(out.join("trace.csv").is_file());
     }
 }
 
 #[test]
-fn a_second_ctrl_c_ends_workers_that_do_not_come_back() {
+fn a_second_ctrl_c_ends_workers_whose_calls_do_not_return() {
     let defines = ["MISBEHAVE_CALL=STEP", "MISBEHAVE_HOW=HANG", "MISBEHAVE_FROM_S=0.0045"];
-    let folder = hangar(&defines, "long.scn", LONG);
-    let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--isolate", "--step-timeout", "0"]);
-    let workers = flight.children(2);
+    let folder = folder_with_unit(&defines, "long.scn", LONG);
+    let mut program = Flight::start(folder.path(), &["run", "long.scn", "--isolate", "--step-timeout", "0"]);
+    let workers = program.children(2);
     until("the rows before the unit hangs", || rows(&folder.path().join("runs/long")) > 4);
-    signal("INT", flight.id());
-    until("a word about the first Ctrl-C", || flight.said().contains("once more ends at once"));
-    signal("INT", flight.id());
-    let said = ended(&mut flight, &workers);
+    signal("INT", program.id());
+    until("the message about the first Ctrl-C", || program.said().contains("once more ends at once"));
+    signal("INT", program.id());
+    let said = ended(&mut program, &workers);
     assert_eq!(said.code, Some(130), "{}", said.err);
     let out = folder.path().join("runs/long");
     assert_eq!(state(&out), "interrupted");
     let verdict: serde_json::Value = serde_json::from_slice(&fs::read(out.join("verdict.json")).unwrap()).unwrap();
     assert_eq!(verdict["end"], "interrupted");
-    assert!(!said.err.contains("error: "), "what breaks when the user ends everything is no news: {}", said.err);
+    assert!(!said.err.contains("error: "), "failures after the user ended the run are not reported: {}", said.err);
 }
 
 #[test]
-fn a_folder_whose_name_no_socket_can_have_is_told_before_anything_starts() {
-    let folder = hangar(&[], "short.scn", &LONG.replace("100000 s", "10 ms"));
+fn a_temporary_folder_whose_path_is_too_long_for_a_socket_is_refused_before_the_run() {
+    let folder = folder_with_unit(&[], "short.scn", &LONG.replace("100000 s", "10 ms"));
     let long = folder.path().join("x".repeat(90));
     fs::create_dir(&long).unwrap();
     let mut command = tests::program::command(folder.path(), &["run", "short.scn", "--isolate"]);
@@ -139,102 +144,101 @@ fn a_folder_whose_name_no_socket_can_have_is_told_before_anything_starts() {
     assert_eq!(fs::read_dir(&long).unwrap().count(), 0);
 }
 
-/// Stops some of so many workers in mid-run: they are missed.
-fn miss(folder: &TempDir, count: usize, stopped: Range<usize>) {
-    let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--isolate"]);
-    let workers = flight.children(count);
+/// Stops some of `count` workers during the run and expects that their loss breaks the run.
+fn assert_loss_is_reported(folder: &TempDir, count: usize, stopped: Range<usize>) {
+    let mut program = Flight::start(folder.path(), &["run", "long.scn", "--isolate"]);
+    let workers = program.children(count);
     until("recorded rows", || rows(&folder.path().join("runs/long")) > 20);
     workers[stopped].iter().for_each(|&worker| signal("STOP", worker));
-    let said = ended(&mut flight, &workers);
+    let said = ended(&mut program, &workers);
     assert_eq!((said.code, state(&folder.path().join("runs/long")).as_str()), (Some(3), "broken"), "{}", said.err);
     assert!(said.err.contains(": no sign of life from its process for 2 s, "), "{}", said.err);
 }
 
 #[test]
-fn a_worker_that_is_stopped_is_missed_within_seconds() {
-    miss(&hangar(&[], "long.scn", LONG), 2, 1..2);
+fn the_loss_of_a_stopped_worker_is_reported_within_seconds() {
+    assert_loss_is_reported(&folder_with_unit(&[], "long.scn", LONG), 2, 1..2);
 }
 
 #[test]
-fn a_worker_that_is_stopped_where_messages_are_long_is_missed_within_seconds() {
+fn the_loss_of_a_stopped_worker_is_reported_within_seconds_if_messages_are_long() {
     let description = &[(
         "causality=\"parameter\" variability=\"fixed\">\n      <String",
         "causality=\"input\" variability=\"discrete\">\n      <String",
     )];
     let (folder, _) = Foreign { description, ..Foreign::default() }.build();
-    let longer_than_a_socket_holds = "x".repeat(300_000);
-    let script = LONG.replace("record", &format!("\"{longer_than_a_socket_holds}\" -> other.label\nrecord"));
+    let longer_than_a_socket_buffer = "x".repeat(300_000);
+    let script = LONG.replace("record", &format!("\"{longer_than_a_socket_buffer}\" -> other.label\nrecord"));
     fs::write(folder.path().join("long.scn"), script).unwrap();
-    miss(&folder, 2, 1..2);
+    assert_loss_is_reported(&folder, 2, 1..2);
 }
 
 #[test]
-fn workers_that_are_all_stopped_are_missed_and_none_stays() {
+fn the_loss_of_all_workers_is_reported_and_none_stays_alive() {
     let units: String = (0..6).map(|i| format!("fmu u{i} = \"foreign.fmu\"\ntime / 1 s -> u{i}.u\n")).collect();
     let script = format!("scenario \"Six\"\nstep 1 ms\nstop 100000 s\n{units}record u0.y, u1.y\n");
-    miss(&hangar(&[], "long.scn", &script), 6, 0..6);
+    assert_loss_is_reported(&folder_with_unit(&[], "long.scn", &script), 6, 0..6);
 }
 
 #[test]
-fn a_run_that_was_suspended_goes_on() {
-    let folder = hangar(&["STEP_TAKES_US=5000"], "long.scn", &LONG.replace("100000 s", "300 ms"));
-    let mut flight = Flight::start(folder.path(), &["run", "long.scn", "--isolate", "--step-timeout", "600ms"]);
-    let workers = flight.children(2);
-    until("recorded rows", || flight.said().contains("other  info"));
-    for process in workers.iter().chain([&flight.id()]) {
+fn a_run_that_was_suspended_continues() {
+    let folder = folder_with_unit(&["STEP_TAKES_US=5000"], "long.scn", &LONG.replace("100000 s", "300 ms"));
+    let mut program = Flight::start(folder.path(), &["run", "long.scn", "--isolate", "--step-timeout", "600ms"]);
+    let workers = program.children(2);
+    until("recorded rows", || program.said().contains("other  info"));
+    for process in workers.iter().chain([&program.id()]) {
         signal("STOP", *process);
     }
     sleep(Duration::from_millis(2500));
-    assert!(!flight.is_over(), "it is suspended in mid-run");
-    for process in std::iter::once(&flight.id()).chain(&workers) {
+    assert!(!program.is_over(), "it is suspended in mid-run");
+    for process in std::iter::once(&program.id()).chain(&workers) {
         signal("CONT", *process);
         sleep(Duration::from_millis(100));
     }
-    let said = ended(&mut flight, &workers);
+    let said = ended(&mut program, &workers);
     assert_eq!((said.code, rows(&folder.path().join("runs/long"))), (Some(1), 301), "{}", said.err);
 }
 
 #[test]
-fn workers_do_not_outlive_a_killed_coordinator_and_nothing_of_the_run_stays() {
+fn workers_do_not_outlive_a_killed_coordinator_and_temporary_folders_are_removed() {
     for defines in [&[][..], &["MISBEHAVE_CALL=STEP", "MISBEHAVE_HOW=HANG", "MISBEHAVE_FROM_S=0.0045"]] {
-        let folder = hangar(defines, "long.scn", LONG);
+        let folder = folder_with_unit(defines, "long.scn", LONG);
         for placement in [&["--isolate"][..], &[]] {
             let arguments = [&["run", "long.scn", "--step-timeout", "0"], placement].concat();
-            let mut flight = Flight::start(folder.path(), &arguments);
-            let workers = flight.children(if placement.is_empty() { 1 } else { 2 });
+            let mut program = Flight::start(folder.path(), &arguments);
+            let workers = program.children(if placement.is_empty() { 1 } else { 2 });
             until("recorded rows", || rows(&folder.path().join("runs/long")) > 4);
-            signal("KILL", flight.id());
-            let said = ended_after_kill(&mut flight, &workers);
+            signal("KILL", program.id());
+            let said = ended_after_kill(&mut program, &workers);
             assert_eq!(said.code, None);
         }
     }
 }
 
-fn ended_after_kill(flight: &mut Flight, workers: &[u32]) -> Said {
-    let said = flight.end();
+fn ended_after_kill(program: &mut Flight, workers: &[u32]) -> Said {
+    let said = program.end();
     until("the end of all workers", || !workers.iter().any(|&worker| is_alive(worker)));
-    until("the end of temporary folders", || flight.temporary_folders().is_empty());
+    until("the end of temporary folders", || program.temporary_folders().is_empty());
     said
 }
 
-/// The moments are spread from the start of the process on, by a generator with a seed.
+/// The moments are spread over the run by a generator with a seed.
 #[test]
 fn a_worker_killed_at_any_moment_is_named_and_nothing_is_left() {
-    let folder = hangar(&["STEP_TAKES_US=200"], "short.scn", &LONG.replace("100000 s", "400 ms"));
-    let mut state_of_chance = 20_260_801_u64;
+    let folder = folder_with_unit(&["STEP_TAKES_US=200"], "short.scn", &LONG.replace("100000 s", "400 ms"));
+    let mut random_state = 20_260_801_u64;
     let mut broken = 0;
     for moment in 0..20 {
-        state_of_chance =
-            state_of_chance.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let wait_ms = (state_of_chance >> 33) % 350;
+        random_state = random_state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let wait_ms = (random_state >> 33) % 350;
         let out = format!("kill{moment}");
-        let mut flight = Flight::start(folder.path(), &["run", "short.scn", "--isolate", "--out", &out]);
-        let workers = flight.children(2);
+        let mut program = Flight::start(folder.path(), &["run", "short.scn", "--isolate", "--out", &out]);
+        let workers = program.children(2);
         sleep(Duration::from_millis(wait_ms));
-        let victim = workers[moment % 2];
-        // It may be over already: then nothing is wrong.
-        let _ = Command::new("kill").args(["-s", "KILL", &victim.to_string()]).output();
-        let said = ended(&mut flight, &workers);
+        let worker = workers[moment % 2];
+        // The worker may have ended already, which is not an error.
+        let _ = Command::new("kill").args(["-s", "KILL", &worker.to_string()]).output();
+        let said = ended(&mut program, &workers);
         match said.code {
             Some(1) => assert_eq!(rows(&folder.path().join(&out)), 401, "{wait_ms} ms: {}", said.err),
             Some(3) => {
@@ -251,13 +255,13 @@ fn a_worker_killed_at_any_moment_is_named_and_nothing_is_left() {
 }
 
 #[test]
-fn twenty_runs_at_once_do_not_see_each_other() {
-    let folder = hangar(&[], "short.scn", &LONG.replace("100000 s", "100 ms"));
+fn twenty_simultaneous_runs_do_not_affect_each_other() {
+    let folder = folder_with_unit(&[], "short.scn", &LONG.replace("100000 s", "100 ms"));
     let out = |number: usize| format!("run{number}");
     let start = |number| Flight::start(folder.path(), &["run", "short.scn", "--isolate", "--out", &out(number)]);
-    let mut flights: Vec<_> = (0..20).map(start).collect();
-    for flight in &mut flights {
-        let said = ended(flight, &[]);
+    let mut programs: Vec<_> = (0..20).map(start).collect();
+    for program in &mut programs {
+        let said = ended(program, &[]);
         assert_eq!(said.code, Some(1), "{}", said.err);
     }
     let traces: Vec<_> =
@@ -265,15 +269,15 @@ fn twenty_runs_at_once_do_not_see_each_other() {
     assert!(traces.iter().all(|trace| trace == &traces[0]) && rows(&folder.path().join("run0")) == 101);
 }
 
-/// A small disk of its own, in a namespace of its own, where the system lets us have one.
+/// A small disk in its own mount namespace, where the system permits one.
 #[test]
-fn a_full_disk_breaks_the_run_and_what_was_written_stays_readable() {
+fn a_full_disk_breaks_the_run_and_the_written_rows_stay_readable() {
     let permitted = Command::new("unshare").args(["--mount", "--map-root-user", "true"]).status();
     if !permitted.is_ok_and(|status| status.success()) {
-        eprintln!("note: no namespace with a disk of its own is to be had here, so no disk is full");
+        eprintln!("note: skipped, because the system permits no mount namespace");
         return;
     }
-    let folder = hangar(&[], "long.scn", LONG);
+    let folder = folder_with_unit(&[], "long.scn", LONG);
     for placement in ["", "--isolate"] {
         let script = format!(
             "mkdir -p disk && mount -t tmpfs -o size=96k none disk && \"$0\" run long.scn {placement} --out disk/run; \
@@ -290,7 +294,7 @@ fn a_full_disk_breaks_the_run_and_what_was_written_stays_readable() {
 }
 
 #[test]
-fn a_worker_needs_no_more_than_its_own_folder_to_say_why_it_cannot_serve() {
+fn a_worker_reports_why_it_cannot_start_even_if_its_folder_is_empty() {
     let home = tempfile::tempdir().unwrap();
     let said = run(&repository(), &["worker", "--once", "--home", home.path().to_str().unwrap(), "3"]);
     assert_eq!(said.code, Some(1));

@@ -1,11 +1,11 @@
-//! Every dependency has a licence that goes with ours, and none of those that the project does without.
+//! Every dependency has a licence that is compatible with ours, and no banned package is among them.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use serde_json::Value;
 use std::process::Command;
 use tests::program::repository;
 
-/// A package may be used under these terms; those of the MPL concern changes of its own files, which we do not make.
+/// Licences under which a package may be used; the MPL's terms concern changes of its own files, which we do not make.
 const LICENCES: [&str; 13] = [
     "MIT",
     "Apache-2.0",
@@ -22,7 +22,7 @@ const LICENCES: [&str; 13] = [
     "Zlib",
 ];
 
-/// Kept out: generators that need libclang, and a second implementation of what a dependency of ours does already.
+/// Banned packages: generators that need libclang, and a second implementation of functions of another dependency.
 const BANNED: [&str; 3] = ["bindgen", "clang-sys", "fmi"];
 
 fn packages() -> Vec<Value> {
@@ -33,10 +33,10 @@ fn packages() -> Vec<Value> {
     metadata["packages"].as_array().unwrap().clone()
 }
 
-/// Whether a licence expression is allowed: `OR` needs one side, `AND`, which binds tighter, both.
+/// Whether a licence expression is allowed: `OR` needs one side; `AND`, which binds tighter, needs both.
 fn is_allowed(expression: &str) -> bool {
     let expression = expression.trim();
-    match (apart(expression, " OR "), apart(expression, " AND ")) {
+    match (split_at_operator(expression, " OR "), split_at_operator(expression, " AND ")) {
         (Some((left, right)), _) => is_allowed(left) || is_allowed(right),
         (None, Some((left, right))) => is_allowed(left) && is_allowed(right),
         (None, None) => match expression.strip_prefix('(').and_then(|inside| inside.strip_suffix(')')) {
@@ -46,8 +46,8 @@ fn is_allowed(expression: &str) -> bool {
     }
 }
 
-/// Both sides of the first `word` outside of parentheses.
-fn apart<'e>(expression: &'e str, word: &str) -> Option<(&'e str, &'e str)> {
+/// Both sides of the first `word` outside parentheses.
+fn split_at_operator<'e>(expression: &'e str, word: &str) -> Option<(&'e str, &'e str)> {
     let outside = |at: &usize| {
         let before = &expression[..*at];
         before.matches('(').count() == before.matches(')').count()
@@ -57,7 +57,7 @@ fn apart<'e>(expression: &'e str, word: &str) -> Option<(&'e str, &'e str)> {
 }
 
 #[test]
-fn every_dependency_has_a_licence_that_goes_with_ours() {
+fn every_dependency_has_a_compatible_licence() {
     let packages = packages();
     assert!(packages.len() > 20, "cargo lists {} packages", packages.len());
     for package in packages {

@@ -1,11 +1,11 @@
-//! Packed units are the same bytes wherever their sources lie.
+//! Packed units have the same bytes whatever the path of their sources.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use tests::program::{Said, lockstep, repository};
 
-/// A copy of the repository's tracked files, which knows nothing of the original's path or build results.
+/// Copies the repository's tracked files, so that the copy has neither the original's path nor its build results.
 fn clone_into(folder: &Path) {
     let listed = Command::new("git").args(["ls-files", "-z"]).current_dir(repository()).output().unwrap();
     assert!(listed.status.success(), "git lists the repository's files");

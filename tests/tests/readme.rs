@@ -1,4 +1,4 @@
-//! The README keeps its word: its first steps work outside the repository, its script is one of `scenarios/`, and its
+//! The README is correct: its first steps work outside the repository, its script is one of `scenarios/`, and its
 //! commands exist.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -7,21 +7,21 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use tests::program::{Said, lockstep, repository, run};
 
-/// What stands below a heading, up to the next one.
+/// The text below a heading, up to the next one.
 fn section(heading: &str) -> String {
     let readme = fs::read_to_string(repository().join("README.md")).unwrap();
     let (_, below) = readme.split_once(&format!("\n## {heading}\n")).unwrap_or_else(|| panic!("## {heading}"));
     below.split("\n## ").next().unwrap_or_default().to_owned()
 }
 
-/// The lines of the first block of a language below a heading.
+/// The first code block in a language below a heading.
 fn block(heading: &str, language: &str) -> String {
     let section = section(heading);
     let (_, code) = section.split_once(&format!("```{language}\n")).unwrap_or_else(|| panic!("```{language}"));
     code.split("```").next().unwrap_or_default().to_owned()
 }
 
-/// Runs a line of a shell as a user with `lockstep` installed types it.
+/// Runs a shell line as a user with `lockstep` installed would.
 fn typed(line: &str, folder: &PathBuf) -> Said {
     let path = std::env::var_os("PATH").unwrap_or_default();
     let programs = lockstep().parent().map(PathBuf::from).into_iter().chain(std::env::split_paths(&path));
@@ -50,38 +50,38 @@ fn the_first_unit_and_script_in_five_minutes_work_outside_the_repository() {
 }
 
 #[test]
-fn what_the_readme_says_of_isolated_and_continued_runs_is_what_comes() {
+fn the_readme_is_correct_about_isolated_and_continued_runs() {
     let lines = [block("A process for each instance", "sh"), block("Saving and continuing", "sh")].concat();
     let said: Vec<_> = lines.lines().map(|line| typed(line, &repository())).collect();
     for (line, said) in lines.lines().zip(&said) {
         assert_eq!(said.code, Some(0), "{line}\n{}{}", said.out, said.err);
     }
-    let promised = lines.lines().find_map(|line| line.split_once("# ")).unwrap().1;
-    assert_eq!(said[2].out.trim(), promised);
+    let expected = lines.lines().find_map(|line| line.split_once("# ")).unwrap().1;
+    assert_eq!(said[2].out.trim(), expected);
     let [whole, continued] = ["first_flight", "continued"]
         .map(|run| fs::read_to_string(repository().join("runs").join(run).join("trace.csv")).unwrap());
-    let behind = continued.split_once('\n').unwrap().1;
-    assert!(behind.lines().count() == 8800 && whole.ends_with(behind));
+    let later = continued.split_once('\n').unwrap().1;
+    assert!(later.lines().count() == 8800 && whole.ends_with(later));
 }
 
 #[test]
-fn no_line_of_the_readme_waits_for_its_text() {
+fn no_line_of_the_readme_is_a_placeholder() {
     let readme = fs::read_to_string(repository().join("README.md")).unwrap();
-    let waits = |line: &&str| line.len() > 2 && line.chars().all(|letter| letter.is_ascii_uppercase());
-    assert_eq!(readme.lines().filter(waits).collect::<Vec<_>>(), Vec::<&str>::new());
+    let is_placeholder = |line: &&str| line.len() > 2 && line.chars().all(|letter| letter.is_ascii_uppercase());
+    assert_eq!(readme.lines().filter(is_placeholder).collect::<Vec<_>>(), Vec::<&str>::new());
 }
 
 #[test]
-fn the_first_script_to_read_is_the_one_that_the_tests_run() {
+fn the_first_script_of_the_readme_is_the_one_that_the_tests_run() {
     let script = fs::read_to_string(repository().join("scenarios/breeze.scn")).unwrap();
     assert_eq!(block("The first script to read", "scn"), script);
 }
 
 #[test]
-fn every_command_is_in_the_table_and_every_one_of_the_table_exists() {
+fn every_command_is_in_the_table_and_every_command_of_the_table_exists() {
     let commands = section("Commands");
     let rows = commands.lines().filter_map(|row| row.strip_prefix("| `lockstep ")?.split_once("` |"));
-    let rows: Vec<_> = rows.map(|(command, words)| (command.split(' ').next().unwrap_or(command), words)).collect();
+    let rows: Vec<_> = rows.map(|(command, text)| (command.split(' ').next().unwrap_or(command), text)).collect();
     let help = run(&repository(), &["--help"]).out;
     let (_, listed) = help.split_once("\nCommands:\n").unwrap();
     let listed: Vec<_> = listed
@@ -91,13 +91,13 @@ fn every_command_is_in_the_table_and_every_one_of_the_table_exists() {
         .filter(|name| *name != "help")
         .collect();
     assert_eq!(rows.iter().map(|(command, _)| *command).collect::<Vec<_>>(), listed);
-    for (command, words) in rows {
+    for (command, text) in rows {
         let help = run(&repository(), &[command, "--help"]).out;
-        for option in words.split('`').filter(|word| word.starts_with("--") && *word != "--help") {
+        for option in text.split('`').filter(|word| word.starts_with("--") && *word != "--help") {
             let option = option.split(' ').next().unwrap_or(option);
-            // `--live[=<ENDPOINT>]` is an option whose value may be left out.
-            let stands = [" ", "\n", "["].iter().any(|after| help.contains(&format!("{option}{after}")));
-            assert!(stands, "{command} {option}");
+            // `--live[=<ENDPOINT>]` is an option whose value is optional.
+            let is_listed = [" ", "\n", "["].iter().any(|after| help.contains(&format!("{option}{after}")));
+            assert!(is_listed, "{command} {option}");
         }
     }
 }

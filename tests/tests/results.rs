@@ -1,4 +1,4 @@
-//! What a run leaves behind: its files, its exit code, and what `plot` and `diff` make of them.
+//! Results of a run: its files, its exit code, and the use of the files by `plot` and `diff`.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use serde_json::{Value, json};
@@ -17,7 +17,7 @@ const LOW: &str = "assert low: always probe.y < 5 m\n";
 const LOST: &str = "assert lost: always probe.y < 1 cm\n";
 const RECORD: &str = "record probe.y, probe.enabled, probe.'phase, all'\n";
 
-/// The unit with a length, an enumeration and a name with a comma.
+/// Replacements in the description: a unit of length, an enumeration, and a name with a comma.
 const DESCRIPTION: [(&str, &str); 5] = [
     ("variableNamingConvention=\"structured\"", "variableNamingConvention=\"flat\""),
     (
@@ -44,7 +44,7 @@ fn with_script(defines: &[&str], lines: &str) -> TempDir {
     folder
 }
 
-/// Runs the script and expects this exit code; what stands on standard output.
+/// Runs the script, expects this exit code, and returns the standard output.
 fn ramp(folder: &TempDir, arguments: &[&str], code: i32) -> String {
     let said = run(folder.path(), &[&["run", "ramp.scn"], arguments].concat());
     assert_eq!(said.code, Some(code), "{}{}", said.out, said.err);
@@ -88,19 +88,19 @@ fn each_column_has_its_unit_instance_causality_and_description() {
     let signals = read_json(&folder, "runs/ramp/signals.json");
     let names: Vec<_> = signals.as_array().unwrap().iter().map(|signal| &signal["name"]).collect();
     assert_eq!(names, ["time", "probe.y", "probe.enabled", "probe.phase, all"]);
-    let words = |of: usize| {
-        ["unit", "instance", "variable", "type", "causality", "description"].map(|key| signals[of][key].as_str())
+    let attributes = |index: usize| {
+        ["unit", "instance", "variable", "type", "causality", "description"].map(|key| signals[index][key].as_str())
     };
     let (probe, input, output) = (Some("probe"), Some("input"), Some("output"));
-    assert_eq!(words(0), [Some("s"), None, None, Some("Real"), Some("independent"), Some("Simulated time")]);
-    assert_eq!(words(1), [Some("m"), probe, Some("y"), Some("Real"), output, Some("How far it came")]);
-    assert_eq!(words(2), [None, probe, Some("enabled"), Some("Boolean"), input, None]);
-    assert_eq!(words(3), [None, probe, Some("phase, all"), Some("Enumeration"), output, None]);
+    assert_eq!(attributes(0), [Some("s"), None, None, Some("Real"), Some("independent"), Some("Simulated time")]);
+    assert_eq!(attributes(1), [Some("m"), probe, Some("y"), Some("Real"), output, Some("How far it came")]);
+    assert_eq!(attributes(2), [None, probe, Some("enabled"), Some("Boolean"), input, None]);
+    assert_eq!(attributes(3), [None, probe, Some("phase, all"), Some("Enumeration"), output, None]);
     assert_eq!(signals[3]["items"], json!({"0": "rest", "1": "climb", "2": "cruise", "3": "land"}));
 }
 
 #[test]
-fn without_a_record_line_all_that_is_connected_or_claimed_is_recorded() {
+fn without_a_record_line_all_connected_or_claimed_variables_are_recorded() {
     let folder = with_script(&[], LOW);
     ramp(&folder, &[], 0);
     let trace = text(&folder, "runs/ramp/trace.csv");
@@ -108,13 +108,13 @@ fn without_a_record_line_all_that_is_connected_or_claimed_is_recorded() {
 }
 
 #[test]
-fn json_is_the_verdict_and_nothing_else() {
+fn with_json_the_output_is_the_verdict_only() {
     let folder = with_script(&[], &format!("{LOW}{LOST}"));
-    let told = ramp(&folder, &["--json", "--set", "slope = 2"], 1);
-    assert_eq!(told, text(&folder, "runs/ramp/verdict.json"));
-    let verdict: Value = serde_json::from_str(&told).unwrap();
+    let out = ramp(&folder, &["--json", "--set", "slope = 2"], 1);
+    assert_eq!(out, text(&folder, "runs/ramp/verdict.json"));
+    let verdict: Value = serde_json::from_str(&out).unwrap();
     let set = json!({"name": "slope", "value": "2", "set": true});
-    assert!(verdict["parameters"].as_array().unwrap().contains(&set), "{told}");
+    assert!(verdict["parameters"].as_array().unwrap().contains(&set), "{out}");
     assert_eq!((&verdict["script"], &verdict["end"]), (&json!("ramp.scn"), &json!("stop time")));
     assert_eq!(verdict["time_s"], 0.3);
     let claim = |i: usize| ["name", "verdict", "margin", "unit", "at_s"].map(|key| verdict["claims"][i][key].clone());
@@ -136,10 +136,10 @@ fn run_json_has_the_hashes_of_script_and_units_the_version_and_the_end() {
 }
 
 #[test]
-fn record_none_judges_and_leaves_no_rows() {
+fn with_record_none_claims_are_judged_and_no_rows_are_written() {
     let folder = with_script(&[], &format!("{LOW}{RECORD}"));
-    let told = ramp(&folder, &["--record", "none"], 0);
-    assert!(told.contains("ok  low") && !told.contains("lockstep plot"), "{told}");
+    let out = ramp(&folder, &["--record", "none"], 0);
+    assert!(out.contains("ok  low") && !out.contains("lockstep plot"), "{out}");
     assert_eq!(files(&folder.path().join("runs/ramp")), ["run.json", "verdict.json"]);
 }
 
@@ -156,37 +156,37 @@ fn out_names_the_folder_and_an_earlier_run_in_it_is_replaced() {
 }
 
 #[test]
-fn the_exit_code_tells_how_the_claims_came_out() {
+fn the_exit_code_reflects_the_verdicts_of_the_claims() {
     let lasting = "assert lasts: always within 200..300 ms probe.y < 5 m\n";
     let done = ["MISBEHAVE_CALL=STEP", "MISBEHAVE_HOW=TERMINATED", "MISBEHAVE_FROM_S=0.05"];
-    for (defines, lines, code, words) in [
+    for (defines, lines, code, message) in [
         (&[][..], "", 0, "No claims in this script: nothing was judged."),
         (&[][..], LOW, 0, "The claim holds."),
         (&[][..], LOST, 1, "1 of 1 claims failed."),
         (&done[..], lasting, 4, "1 of 1 claims could not be judged."),
     ] {
         let folder = with_script(defines, lines);
-        let told = ramp(&folder, &[], code);
-        assert!(told.contains(words), "{code}: {told}");
+        let out = ramp(&folder, &[], code);
+        assert!(out.contains(message), "{code}: {out}");
     }
 }
 
 #[test]
-fn fail_fast_ends_with_the_first_claim_that_is_lost() {
+fn fail_fast_ends_the_run_at_the_first_failed_claim() {
     let folder = with_script(&[], &format!("{LOW}{LOST}"));
-    let told = ramp(&folder, &["--fail-fast"], 1);
-    assert!(told.starts_with("ramp.scn  0.2 s of 0.3 s, claim `lost` lost, in "), "{told}");
+    let out = ramp(&folder, &["--fail-fast"], 1);
+    assert!(out.starts_with("ramp.scn  0.2 s of 0.3 s, claim `lost` lost, in "), "{out}");
     assert_eq!(text(&folder, "runs/ramp/trace.csv").lines().last(), Some("0.2,0.1,0.020000000000000004"));
     assert_eq!(read_json(&folder, "runs/ramp/verdict.json")["end"], "claim `lost` lost");
 }
 
 #[test]
-fn the_lines_that_a_run_ends_with_work_as_they_stand() {
+fn the_commands_at_the_end_of_a_run_work_as_printed() {
     let folder = with_script(&[], RECORD);
     ramp(&folder, &["--out", "other"], 0);
-    let told = ramp(&folder, &[], 0);
-    let lines: Vec<_> = told.lines().skip_while(|line| *line != "runs/ramp").skip(1).collect();
-    let [plot, diff] = lines[..] else { panic!("{told}") };
+    let out = ramp(&folder, &[], 0);
+    let lines: Vec<_> = out.lines().skip_while(|line| *line != "runs/ramp").skip(1).collect();
+    let [plot, diff] = lines[..] else { panic!("{out}") };
     let as_typed = |line: &str| {
         let line = line.replace("OTHER", "other");
         run(folder.path(), &line.split_whitespace().skip(1).collect::<Vec<_>>())
@@ -198,7 +198,7 @@ fn the_lines_that_a_run_ends_with_work_as_they_stand() {
 }
 
 #[test]
-fn a_picture_is_an_svg_and_a_wrong_signal_is_told_with_the_nearest() {
+fn a_plot_is_an_svg_and_an_unknown_signal_is_reported_with_the_nearest_name() {
     let folder = with_script(&[], RECORD);
     ramp(&folder, &[], 0);
     let drawn = run(folder.path(), &["plot", "runs/ramp", "probe.y", "--out", "y.svg"]);
@@ -220,7 +220,7 @@ fn a_picture_is_an_svg_and_a_wrong_signal_is_told_with_the_nearest() {
 }
 
 #[test]
-fn diff_tells_the_first_tick_and_port_that_differ_and_by_how_much() {
+fn diff_reports_the_first_tick_and_port_that_differ_and_by_how_much() {
     let folder = with_script(&[], RECORD);
     ramp(&folder, &["--out", "slow"], 0);
     ramp(&folder, &["--out", "fast", "--set", "slope = 2"], 0);
@@ -232,15 +232,15 @@ fn diff_tells_the_first_tick_and_port_that_differ_and_by_how_much() {
          probe.y: 2 rows, at most 5.800e-2 apart\n"
     );
     fs::write(folder.path().join("ragged.csv"), "time,probe.y\n0\n").unwrap();
-    for (other, words) in [("none", "none is neither a run's folder"), ("ragged.csv", "ragged.csv:2: not as many")] {
+    for (other, message) in [("none", "none is neither a run's folder"), ("ragged.csv", "ragged.csv:2: not as many")] {
         let unreadable = run(folder.path(), &["diff", "slow", other]);
         assert_eq!((unreadable.code, unreadable.out.as_str()), (Some(2), ""));
-        assert!(unreadable.err.starts_with(&format!("error: {words}")), "{}", unreadable.err);
+        assert!(unreadable.err.starts_with(&format!("error: {message}")), "{}", unreadable.err);
     }
 }
 
 #[test]
-fn results_that_nobody_can_read_are_no_success() {
+fn a_failed_write_to_standard_output_is_an_error() {
     let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let ended = command(&repository(), &["describe"]).stdout(full).stderr(Stdio::piped()).output().unwrap();
     let said = Said::from(ended);

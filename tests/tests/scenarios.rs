@@ -1,7 +1,7 @@
-//! Every scenario of `scenarios/` runs, holds its claims, and leaves the trace that is kept in `tests/golden/`.
+//! Every scenario of `scenarios/` runs, its claims hold, and its trace equals the golden one in `tests/golden/`.
 //!
-//! A golden trace is every n-th row of the whole, below 200 kB, under a comment with the SHA-256 of the whole. `tests/run
-//! --update` writes them anew.
+//! A golden trace is every n-th row of the whole trace, below 200 kB, after a comment with the SHA-256 of the whole.
+//! `tests/run --update` writes them anew.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use sha2::{Digest, Sha256};
@@ -20,7 +20,7 @@ fn scenarios() -> Vec<PathBuf> {
     scripts
 }
 
-/// The header and as many evenly spaced rows as fit, under the hash of the whole.
+/// The header and as many evenly spaced rows as fit, after the hash of the whole trace.
 fn decimated(trace: &str) -> String {
     let rows: Vec<_> = trace.lines().collect();
     let step = trace.len().div_ceil(GOLDEN_BYTES);
@@ -44,7 +44,7 @@ fn run_into(script: &Path, out: &Path, more: &[&str]) -> String {
 }
 
 #[test]
-fn every_scenario_leaves_its_golden_trace() {
+fn every_scenario_reproduces_its_golden_trace() {
     let out = tempfile::tempdir().unwrap();
     for script in scenarios() {
         let name = script.file_stem().unwrap().to_str().unwrap().to_owned();
@@ -59,7 +59,7 @@ fn every_scenario_leaves_its_golden_trace() {
     }
 }
 
-/// Runs a script in two ways, and compares all that has the same bytes everywhere.
+/// Runs a script in two ways and compares the files that must have the same bytes.
 fn compare(script: &Path, ways: [&[&str]; 2]) {
     let out = tempfile::tempdir().unwrap();
     let folders = ["first", "second"].map(|folder| out.path().join(folder));
@@ -76,23 +76,23 @@ fn compare(script: &Path, ways: [&[&str]; 2]) {
 }
 
 #[test]
-fn a_scenario_run_again_leaves_the_same_bytes() {
+fn a_repeated_run_of_a_scenario_gives_the_same_bytes() {
     scenarios().iter().for_each(|script| compare(script, [&[], &[]]));
 }
 
 #[test]
-fn a_scenario_whose_instances_have_a_process_each_leaves_the_same_bytes() {
+fn an_isolated_run_of_a_scenario_gives_the_same_bytes() {
     scenarios().iter().for_each(|script| compare(script, [&[], &["--isolate"]]));
 }
 
 #[test]
-fn each_instance_of_an_isolated_run_has_a_process_of_its_own() {
+fn each_instance_of_an_isolated_run_has_its_own_process() {
     for script in scenarios() {
         let instances = std::fs::read_to_string(&script).unwrap().lines().filter(|l| l.starts_with("fmu ")).count();
         let out = tempfile::tempdir().unwrap();
         let arguments =
             ["run", script.to_str().unwrap(), "--isolate", "--pace", "1", "--out", out.path().to_str().unwrap()];
-        let flight = Flight::start(&repository(), &arguments);
-        assert_eq!(flight.children(instances).len(), instances, "{}", script.display());
+        let program = Flight::start(&repository(), &arguments);
+        assert_eq!(program.children(instances).len(), instances, "{}", script.display());
     }
 }

@@ -1,4 +1,4 @@
-//! What a user reads when a script, a unit's file or the command line is wrong, word for word.
+//! The exact messages for an invalid script, unit file or command line.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::fmt::Write as _;
@@ -53,7 +53,7 @@ fn with_script(text: &str) -> TempDir {
     folder
 }
 
-/// What a refused command said, which ran nothing and left nothing.
+/// The messages of a refused command, which must not write results.
 fn refused(folder: &Path, arguments: &[&str]) -> String {
     let Said { code, out, err } = run(folder, arguments);
     assert_eq!((code, out.as_str()), (Some(2), ""), "{arguments:?}: {err}");
@@ -61,17 +61,17 @@ fn refused(folder: &Path, arguments: &[&str]) -> String {
     err
 }
 
-/// Several refusals under what led to them.
+/// The messages of several refused commands, each after its command line.
 fn all_refused<'a>(folder: &Path, commands: impl IntoIterator<Item = &'a [&'a str]>) -> String {
-    let mut told = String::new();
+    let mut messages = String::new();
     for arguments in commands {
-        write!(told, "$ lockstep {}\n{}\n", arguments.join(" "), refused(folder, arguments)).unwrap();
+        write!(messages, "$ lockstep {}\n{}\n", arguments.join(" "), refused(folder, arguments)).unwrap();
     }
-    told
+    messages
 }
 
 #[test]
-fn five_mistakes_of_meaning_are_told_at_once_by_check_and_by_run() {
+fn five_semantic_errors_are_reported_at_once_by_check_and_by_run() {
     let folder = tempfile::tempdir().unwrap();
     let script = folder.path().join("five.scn");
     fs::write(&script, FIVE_MISTAKES).unwrap();
@@ -86,32 +86,32 @@ fn five_mistakes_of_meaning_are_told_at_once_by_check_and_by_run() {
 }
 
 #[test]
-fn what_a_later_version_brings_is_refused_by_name() {
+fn features_of_a_later_version_are_refused_by_name() {
     let folder = with_script(LATER);
-    let told = refused(folder.path(), &["run", "a.scn"]);
-    assert_eq!(told.matches("is not known to this version of lockstep yet").count(), 12);
-    insta::assert_snapshot!(told);
+    let messages = refused(folder.path(), &["run", "a.scn"]);
+    assert_eq!(messages.matches("is not known to this version of lockstep yet").count(), 12);
+    insta::assert_snapshot!(messages);
 }
 
 #[test]
-fn a_script_without_anything_in_it_is_told_what_it_needs() {
+fn an_empty_script_is_refused_with_what_it_needs() {
     let folder = with_script("");
     insta::assert_snapshot!(refused(folder.path(), &["run", "a.scn"]));
 }
 
 #[test]
-fn units_that_are_not_there_are_told_with_the_nearest() {
+fn missing_units_are_reported_with_the_nearest_name() {
     let lines = "fmu a = \"foriegn.fmu\"\nfmu b = \"parts/foreign.fmu\"\nfmu c = \"quadcopter\"\n";
     let folder = with_script(&format!("{HEAD}{lines}"));
-    let mut told = refused(folder.path(), &["run", "a.scn"]);
+    let mut messages = refused(folder.path(), &["run", "a.scn"]);
     fs::rename(folder.path().join("foreign.fmu"), folder.path().join("quadcopter.fmu")).unwrap();
     fs::write(folder.path().join("a.scn"), format!("{HEAD}fmu a = \"quadcoptr\"\n")).unwrap();
-    write!(told, "\n{}", refused(folder.path(), &["run", "a.scn", "--units", "."])).unwrap();
-    insta::assert_snapshot!(told);
+    write!(messages, "\n{}", refused(folder.path(), &["run", "a.scn", "--units", "."])).unwrap();
+    insta::assert_snapshot!(messages);
 }
 
 #[test]
-fn settings_that_do_not_fit_are_told_with_the_place_in_them() {
+fn invalid_settings_are_reported_with_the_position_in_them() {
     let folder = with_script(&format!("{HEAD}param gust = 3 m/s\nfmu probe = \"foreign.fmu\"\n"));
     let settings =
         ["gus = 3 m/s", "gust = 3 m", "gust = true", "gust = [1, 2] m/s", "gust 3", "gust =", "gust = 3 m / s"];
@@ -120,7 +120,7 @@ fn settings_that_do_not_fit_are_told_with_the_place_in_them() {
 }
 
 #[test]
-fn a_command_line_that_makes_no_sense_is_refused() {
+fn an_invalid_command_line_is_refused() {
     let folder = with_script(&format!("{HEAD}fmu probe = \"foreign.fmu\"\n"));
     let commands: [&[&str]; 6] = [
         &["run"],
@@ -144,7 +144,7 @@ fn archive(path: &Path, entries: &[(&str, &str)]) {
 }
 
 #[test]
-fn files_that_are_no_units_are_told_with_what_is_wrong_in_them() {
+fn files_that_are_not_units_are_refused_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let description = fs::read_to_string(repository().join("tests/foreign/modelDescription.xml")).unwrap();
     let of_fmi_3 = description.replace("fmiVersion=\"2.0\"", "fmiVersion=\"3.0\"");
@@ -162,19 +162,19 @@ fn files_that_are_no_units_are_told_with_what_is_wrong_in_them() {
     archive(&at("newer.fmu"), &[("modelDescription.xml", &of_fmi_3)]);
     archive(&at("elsewhere.fmu"), &[("modelDescription.xml", &description), ("binaries/win64/foreign.dll", "")]);
     archive(&at("exchange.fmu"), &[("modelDescription.xml", &exchange)]);
-    let mut told = String::new();
+    let mut messages = String::new();
     for name in ["words", "empty", "outside", "absolute", "nameless", "cut", "newer", "elsewhere", "exchange"] {
         fs::write(at("a.scn"), format!("{HEAD}fmu probe = \"{name}.fmu\"\n")).unwrap();
         let said = refused(folder.path(), &["run", "a.scn"]);
         let checked = run(folder.path(), &["check", "a.scn"]);
         assert_eq!((checked.code, checked.out), (Some(2), format!("{said}\na.scn: 1 error\n")));
-        writeln!(told, "{said}").unwrap();
+        writeln!(messages, "{said}").unwrap();
     }
-    insta::assert_snapshot!(told);
+    insta::assert_snapshot!(messages);
 }
 
 #[test]
-fn what_a_library_asks_of_its_process_is_told_before_the_run() {
+fn requirements_of_a_library_on_its_process_are_reported_before_the_run() {
     let flag = "canHandleVariableCommunicationStepSize=\"true\"";
     let flags = format!("{flag} canBeInstantiatedOnlyOncePerProcess=\"true\" needsExecutionTool=\"true\"");
     let (folder, _) = Foreign { description: &[(flag, &flags)], ..Foreign::default() }.build();

@@ -1,1 +1,1 @@
-"""Units' equations written a second time, in the papers' frames and in Python, to compare the units with."""
+"""A second implementation of the units' equations in Python and in the frames of the papers, for comparison."""

@@ -1,4 +1,4 @@
-"""The project's random numbers: SplitMix64 seeds xoshiro256++, Box-Muller makes normals."""
+"""The project's random numbers: xoshiro256++ seeded by SplitMix64, normals by Box-Muller."""
 
 import math
 
@@ -6,7 +6,7 @@ WORD = (1 << 64) - 1
 
 
 class Generator:
-    """Numbers that belong to one pair of seed and stream."""
+    """Random numbers for one pair of seed and stream."""
 
     def __init__(self, seed, stream):
         x = (seed ^ (stream * 0x9E3779B97F4A7C15)) & WORD

@@ -1,4 +1,4 @@
-"""The unit `quadcopter` once more, in the frame of Geng & Chulin (2016): x forward, y up, z right.
+"""A second implementation of the unit `quadcopter`, in the frame of Geng & Chulin (2016): x forward, y up, z right.
 
 State vector: x y z, vx vy vz (earth), q0 q1 q2 q3 (body to earth), wx wy wz (body), w1..w4 (right, front, left, rear).
 """
@@ -35,12 +35,12 @@ def from_port(v):
 
 
 def to_port(v):
-    """The way back."""
+    """Inverse of `from_port`."""
     return np.array([v[0], -v[2], v[1]])
 
 
 def rotation(q):
-    """Body to earth from a quaternion; homogeneous, as the integration leaves the unit length within a step."""
+    """Body to earth from a quaternion; homogeneous, because its length is not exactly 1 within an integration step."""
     a, b, c, d = q
     return np.array([
         [a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)],
@@ -87,7 +87,7 @@ class Plant:
         self.theta_e = 3 * (C_T / self.K + self.inflow / 2)
 
     def rotor(self, w, V_h, V_c):
-        """Thrust without ground, induced velocity; arrays over the rotors."""
+        """Thrust without ground effect, induced velocity; arrays over the rotors."""
         p = self.p
         P_ii = p["thrust_coefficient"] * w**2
         w_d = np.sqrt(P_ii / (2 * p["air_density"] * self.A))
@@ -113,7 +113,7 @@ class Plant:
             v_i = np.maximum(v_i - f / df, 0.0)
         return np.maximum(T(v_i), 0.0), v_i
 
-    def thrusts(self, x, wind, effectiveness, trembling):
+    def thrusts(self, x, wind, effectiveness, fluctuation):
         """P_i of eq. 5, ground effect as a factor."""
         p = self.p
         R = rotation(x[6:10])
@@ -126,15 +126,15 @@ class Plant:
             r_g = 1 / (1 - (p["rotor_radius"] / (4 * clear)) ** 2 / (1 + advance**2))
             T = T * np.where(h >= 2.0, 1.0, np.minimum(r_g, 4 / 3))
         if x[1] < 1.0:
-            T = T * (1 + trembling * (1 - x[1]))
+            T = T * (1 + fluctuation * (1 - x[1]))
         return effectiveness * T
 
-    def derivative(self, x, command, wind, effectiveness, trembling):
+    def derivative(self, x, command, wind, effectiveness, fluctuation):
         p = self.p
         R = rotation(x[6:10])
         wx, wy, wz = x[10:13]
         w = x[13:17]
-        P = self.thrusts(x, wind, effectiveness, trembling)
+        P = self.thrusts(x, wind, effectiveness, fluctuation)
 
         cos_eta = R[1, 1]
         sin_eta = math.sqrt(max(0.0, 1 - cos_eta**2))

@@ -1,4 +1,4 @@
-"""Input records as the transcriptions read them, and parameters with their start values."""
+"""Reads input records for the transcriptions, and completes parameters by their start values."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ def instants(inputs, step):
 
 
 def with_start_values(start_values, parameters):
-    """Parameters with the start value wherever none was given; a name that nobody knows is an error."""
+    """Parameters completed by start values; an unknown name is an error."""
     unknown = sorted(set(parameters) - set(start_values))
     if unknown:
         raise KeyError(f"no such parameter: {', '.join(unknown)}")

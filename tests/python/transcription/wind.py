@@ -1,4 +1,4 @@
-"""The unit `wind` once more: steady wind, Dryden turbulence by its exact discretisation, gusts."""
+"""A second implementation of the unit `wind`: steady wind, Dryden turbulence by its exact discretisation, gusts."""
 
 import math
 

@@ -1,8 +1,8 @@
-//! The borders between crates, most of which say what is absent.
+//! Checks of the borders between crates: which dependencies and constructs a crate must not contain.
 
 use std::path::Path;
 
-/// Crates that may depend only on these.
+/// Manifests of crates, each with the dependencies that it may have.
 const ALLOWED: [(&str, &[&str]); 3] = [
     ("models/Cargo.toml", &["libm", "nalgebra", "serde"]),
     ("dsl/Cargo.toml", &["annotate-snippets", "fmi2", "libm", "pest", "pest_derive", "serde", "strsim"]),
@@ -13,7 +13,7 @@ fn place(path: &Path, index: usize) -> String {
     format!("{}:{}", path.display(), index + 1)
 }
 
-/// The code of a line: comments and the inside of simple string literals dropped.
+/// The code of a line, without comments and without the content of simple string literals.
 fn code(line: &str) -> String {
     let without_comment = line.split("//").next().unwrap_or_default();
     without_comment.replace("\\\"", "").split('"').step_by(2).collect::<Vec<_>>().join("\"\"")
@@ -23,8 +23,8 @@ fn has_word(code: &str, word: &str) -> bool {
     code.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|found| found == word)
 }
 
-/// `unsafe` stands in the export layer, in the importer, and in the benchmarks' peer loops. The type of a C function is
-/// no unsafe code.
+/// `unsafe` is allowed in the export layer, in the importer, and in the benchmarks' peer loops. The type of a C
+/// function is not unsafe code.
 pub(super) fn unsafe_code(path: &Path, text: &str) -> Vec<String> {
     let places = ["fmus/fmu/", "fmus/fmu-derive/", "orchestrator/unit/", "orchestrator/benches/"];
     if places.iter().any(|allowed| path.starts_with(allowed)) {
@@ -35,7 +35,7 @@ pub(super) fn unsafe_code(path: &Path, text: &str) -> Vec<String> {
     found.map(|(i, _)| format!("{}: `unsafe` outside fmus/fmu and orchestrator/unit", place(path, i))).collect()
 }
 
-/// zenoh is named by the bus alone, and by what a benchmark of the bus compares it with.
+/// zenoh is used only by the bus, and by the reference that a benchmark compares the bus with.
 pub(super) fn bus(path: &Path, text: &str) -> Vec<String> {
     if path.starts_with("orchestrator/src/bus") || path == Path::new("orchestrator/benches/rounds/echo.rs") {
         return Vec::new();
@@ -44,7 +44,7 @@ pub(super) fn bus(path: &Path, text: &str) -> Vec<String> {
     found.map(|(i, _)| format!("{}: zenoh outside orchestrator/src/bus", place(path, i))).collect()
 }
 
-/// `models`, `dsl` and `fmi2` depend on what the README promises and on nothing else.
+/// `models`, `dsl` and `fmi2` depend only on the crates that the README lists.
 pub(super) fn dependencies(root: &Path) -> std::io::Result<Vec<String>> {
     let mut findings = Vec::new();
     for (manifest, allowed) in ALLOWED {
@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_in_comments_and_texts_are_no_code() {
+    fn words_in_comments_and_string_literals_are_not_code() {
         assert!(!has_word(&code("let x = 1; // unsafe"), "unsafe"));
         assert!(!has_word(&code("let x = \"unsafe\";"), "unsafe"));
         assert!(has_word(&code("unsafe { x() }"), "unsafe"));

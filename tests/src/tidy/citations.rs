@@ -1,4 +1,4 @@
-//! Every `Author & Author (Year)` in `models` has its entry in `models/REFERENCES.md`.
+//! Checks that every `Author & Author (Year)` in `models` has an entry in `models/REFERENCES.md`.
 
 use std::path::Path;
 
@@ -41,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_and_year_make_a_citation() {
+    fn names_and_a_year_are_a_citation() {
         assert_eq!(citations("//! a law, after Geng & Chulin (2016), eq. 25"), ["Geng & Chulin (2016)"]);
         assert_eq!(citations("//! Bouabdallah (2007), table 1; f(1234)"), ["Bouabdallah (2007)"]);
         assert_eq!(citations("//! Source: Geng & Chulin (2016)"), ["Geng & Chulin (2016)"]);

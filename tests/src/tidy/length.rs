@@ -1,4 +1,4 @@
-//! Files of at most 400 lines, functions of at most 60.
+//! Checks that files have at most 400 lines and functions at most 60.
 
 use std::path::Path;
 
@@ -29,11 +29,11 @@ pub(super) fn findings(path: &Path, text: &str) -> Vec<String> {
     findings
 }
 
-/// Indentation and name of a function whose body begins on this or a later line.
+/// Indentation and name of a function that starts on this line and whose body is not complete on it.
 fn function_start(line: &str) -> Option<(&str, &str)> {
-    let words = line.trim_start();
-    let indent = &line[..line.len() - words.len()];
-    let (before, after) = words.split_once("fn ").filter(|_| !words.starts_with("//"))?;
+    let trimmed = line.trim_start();
+    let indent = &line[..line.len() - trimmed.len()];
+    let (before, after) = trimmed.split_once("fn ").filter(|_| !trimmed.starts_with("//"))?;
     let qualifiers = ["pub", "const", "async", "unsafe", "extern", "\"C\"", "crate", "super", "(", ")", "in", "self"];
     let mut rest = before.trim();
     while !rest.is_empty() {

@@ -1,4 +1,4 @@
-//! The habits of the house as checks over a source tree: each returns sentences about what it found.
+//! Checks of the house style over a source tree: each returns one sentence for each violation.
 
 mod borders;
 mod citations;
@@ -6,7 +6,7 @@ mod length;
 
 use std::path::{Path, PathBuf};
 
-/// Everything that is untidy in the tree at `root`, one sentence each.
+/// All violations in the tree at `root`, one sentence each.
 ///
 /// # Errors
 /// If a file or folder of the tree cannot be read.
@@ -25,7 +25,7 @@ pub fn findings(root: &Path) -> std::io::Result<Vec<String>> {
     Ok(findings)
 }
 
-/// Files of one extension below a folder, sorted, relative to the root; build results and hidden folders left out.
+/// Files with one extension below a folder, sorted, relative to the root, without build results and hidden folders.
 fn files_below(root: &Path, folder: &Path, extension: &str) -> std::io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     if !folder.is_dir() {
@@ -46,10 +46,10 @@ fn files_below(root: &Path, folder: &Path, extension: &str) -> std::io::Result<V
     Ok(files)
 }
 
-/// Each file says in its first line what it is for.
+/// Checks that the first line of a file states its purpose.
 fn opening(path: &Path, text: &str) -> Option<String> {
     let first = text.lines().next().unwrap_or_default();
-    let sentence = first.strip_prefix("//! ").is_some_and(|words| words.len() > 10);
+    let sentence = first.strip_prefix("//! ").is_some_and(|rest| rest.len() > 10);
     (!sentence).then(|| format!("{}: the first line is not `//!` and a sentence", path.display()))
 }
 
@@ -74,7 +74,7 @@ mod tests {
         std::fs::write(path, text).unwrap();
     }
 
-    /// A tree in which nothing is wrong yet.
+    /// A tree without violations.
     fn tidy_tree() -> tempfile::TempDir {
         let root = tempfile::tempdir().unwrap();
         write(root.path(), "models/src/lib.rs", "//! The mathematics of one thing.\n\n/// Adds.\nfn add() {}\n");
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_does_not_say_what_it_is_for_is_found() {
+    fn a_file_without_a_statement_of_its_purpose_is_found() {
         assert_eq!(after("dsl/src/x.rs", "fn f() {}\n"), ["dsl/src/x.rs: the first line is not `//!` and a sentence"]);
     }
 
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn unsafe_code_outside_its_two_places_is_found() {
+    fn unsafe_code_outside_the_allowed_folders_is_found() {
         let found = after("dsl/src/x.rs", "//! Something that is unsafe.\nfn f() { unsafe { g() } }\n");
         assert_eq!(found, ["dsl/src/x.rs:2: `unsafe` outside fmus/fmu and orchestrator/unit"]);
     }
