@@ -84,7 +84,7 @@ impl Catalogue {
             let help = format!("leave out --no-build, or run: lockstep pack {}", unit.name);
             return Err(UnitProblem { message, help: Some(help) });
         }
-        crate::report::status(&format!("building unit `{}`", unit.name));
+        results::report::status(&format!("building unit `{}`", unit.name));
         pack::pack(unit, &unit::describe::describe_library, &archive)
             .map_err(|error| UnitProblem { message: error.to_string(), help: None })
     }

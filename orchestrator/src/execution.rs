@@ -1,18 +1,21 @@
 //! Carries out a run that is prepared: looks after it and leaves its files.
 
+use crate::claims;
+use crate::columns;
 use crate::message::Reason;
 use crate::plan::Plan;
-use crate::preparation::Preparation;
-use crate::report;
-use crate::report::console::{Console, Style};
-use crate::report::table::{Ending, Heading};
+use crate::preparation::{Preparation, parameters};
 use crate::supervise::{Audience, Ended, Orders, Placement, SuperviseError, supervise};
-use crate::trace::checkpoint::Saving;
-use crate::trace::recorder::Recorder;
-use crate::trace::run_folder::{RunFolder, VERDICT_JSON};
-use crate::trace::run_record::{Broken, RunRecord, RunState};
-use crate::trace::verdict::{Verdict, reason_text};
-use crate::trace::{TraceError, signals};
+use dsl::scenario::Scenario;
+use results::checkpoint::Saving;
+use results::recorder::Recorder;
+use results::report;
+use results::report::console::{Console, Style};
+use results::report::table::Heading;
+use results::run_folder::{RunFolder, VERDICT_JSON};
+use results::run_record::{Broken, RunRecord, RunState};
+use results::verdict::{JudgedClaim, VerdictFile};
+use results::{TraceError, signals};
 use std::time::Duration;
 use unit::time::seconds;
 
@@ -33,7 +36,7 @@ pub struct Outcome {
     /// How it ended.
     pub ended: Ended,
     /// How its claims came out.
-    pub verdict: Verdict,
+    pub verdict: VerdictFile,
     /// Where its files are.
     pub folder: RunFolder,
     /// The script as the user named it.
@@ -48,13 +51,8 @@ impl Outcome {
     /// The first line of the report.
     #[must_use]
     pub fn heading(&self) -> Heading<'_> {
-        let ending = match run_state(&self.ended) {
-            RunState::Interrupted => Ending::Interrupted,
-            RunState::Broken => Ending::Broken,
-            RunState::Finished | RunState::Running => Ending::Finished,
-        };
-        let wall_s = self.ended.wall.as_secs_f64();
-        Heading { script: &self.script, ending, from_s: self.from_s, stop_s: self.stop_s, wall_s }
+        let (state, wall_s) = (run_state(&self.ended), self.ended.wall.as_secs_f64());
+        Heading { script: &self.script, state, from_s: self.from_s, stop_s: self.stop_s, wall_s }
     }
 }
 
@@ -74,7 +72,7 @@ pub fn carry_out(ready: Preparation, manner: Manner) -> Result<Outcome, Supervis
     }
     let file_name = script.rsplit('/').next().unwrap_or(&script);
     let end = end_text(&ended, &plan.scenario);
-    let verdict = Verdict::new(&plan.scenario, file_name, ended.last_tick, end, &ended.findings);
+    let verdict = verdict(&plan.scenario, file_name, end, &ended);
     record.end(run_state(&ended), verdict.time_s, ended.wall);
     record.broken = ended.failure.as_ref().map(Broken::from);
     leave(&mut folder, &mut record, &verdict).map_err(SuperviseError::Trace)?;
@@ -112,7 +110,7 @@ fn note_break(folder: &mut RunFolder, record: &mut RunRecord, error: &SuperviseE
 }
 
 /// Writes what there is to say about a run that is over; one whose verdict cannot be written is broken.
-fn leave(folder: &mut RunFolder, record: &mut RunRecord, verdict: &Verdict) -> Result<(), TraceError> {
+fn leave(folder: &mut RunFolder, record: &mut RunRecord, verdict: &VerdictFile) -> Result<(), TraceError> {
     let written = folder.write(VERDICT_JSON, &verdict.json());
     if let Err(error) = &written {
         record.state = RunState::Broken;
@@ -126,13 +124,29 @@ fn leave(folder: &mut RunFolder, record: &mut RunRecord, verdict: &Verdict) -> R
 fn begin_files(folder: &RunFolder, plan: &Plan) -> Result<Recorder, TraceError> {
     let mut recorder = Recorder::default();
     if plan.record {
-        let signals = signals::of(&plan.scenario, |instance| &plan.units[plan.unit_of[instance]].description);
+        let columns = columns::of(&plan.scenario, |instance| &plan.units[plan.unit_of[instance]].description);
+        let signals: Vec<_> = std::iter::once(signals::time()).chain(columns).collect();
         recorder.begin_rows(folder, plan.scenario.step_ns, &signals)?;
     }
     for &instance in &plan.log_calls {
         recorder.begin_calls(folder, instance, &plan.scenario.instances[instance].name)?;
     }
     Ok(recorder)
+}
+
+/// What the script claims, put together with how it came out.
+fn verdict(scenario: &Scenario, script: &str, end: String, ended: &Ended) -> VerdictFile {
+    let claims = scenario.claims.iter().zip(&ended.standings);
+    VerdictFile {
+        scenario: scenario.title.clone(),
+        script: script.to_owned(),
+        parameters: parameters(scenario),
+        time_s: seconds(ended.last_tick, scenario.step_ns),
+        end,
+        claims: claims
+            .map(|(claim, standing)| JudgedClaim::new(&claims::info(claim), standing, scenario.step_ns))
+            .collect(),
+    }
 }
 
 fn run_state(ended: &Ended) -> RunState {
@@ -143,19 +157,18 @@ fn run_state(ended: &Ended) -> RunState {
     }
 }
 
-fn end_text(ended: &Ended, scenario: &dsl::scenario::Scenario) -> String {
+fn end_text(ended: &Ended, scenario: &Scenario) -> String {
     match (&ended.failure, &ended.finish) {
         (Some(failure), _) => format!("broken: {failure}"),
-        (None, Some(finish)) => reason_text(&finish.reason, scenario),
-        (None, None) => reason_text(&Reason::Interrupted, scenario),
+        (None, Some(finish)) => finish.reason.text(scenario),
+        (None, None) => Reason::Interrupted.text(scenario),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::run_record::tests::record;
-    use crate::trace::verdict::tests::scenario;
+    use crate::example::record;
     use std::path::Path;
     use unit::failure::{Cause, Doing, Failure};
 
@@ -183,7 +196,14 @@ mod tests {
             std::fs::create_dir(home.path().join("verdict.json.partial")).unwrap();
             record.end(state, 1.0, Duration::from_secs(1));
             record.broken = earlier.as_ref().map(Broken::from);
-            let verdict = Verdict::new(&scenario(), "a.scn", 10, "the end".to_owned(), &[]);
+            let verdict = VerdictFile {
+                scenario: "A unit goes up".to_owned(),
+                script: "a.scn".to_owned(),
+                parameters: Vec::new(),
+                time_s: 0.1,
+                end: "the end".to_owned(),
+                claims: Vec::new(),
+            };
             let error = leave(&mut folder, &mut record, &verdict).unwrap_err();
             let message = earlier.map_or(error.to_string(), |failure| failure.to_string());
             assert_eq!(noted(&folder), ("broken".to_owned(), message));

@@ -1,6 +1,7 @@
 //! What a run tells besides rows and claims, as records of a board's message ring: a stepping process its parent, a loop
 //! the thread that looks after it, a worker its coordinator.
 
+use dsl::scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use unit::failure::Failure;
@@ -53,4 +54,17 @@ pub enum Reason {
     ClaimLost(usize),
     /// The user interrupted.
     Interrupted,
+}
+
+impl Reason {
+    /// Why a run ended, as results show it.
+    #[must_use]
+    pub fn text(&self, scenario: &Scenario) -> String {
+        match self {
+            Self::StopTime => "stop time".to_owned(),
+            Self::Terminated(instance) => format!("`{}` terminated", scenario.instances[*instance].name),
+            Self::ClaimLost(claim) => format!("claim `{}` lost", scenario.claims[*claim].name),
+            Self::Interrupted => "interrupted".to_owned(),
+        }
+    }
 }

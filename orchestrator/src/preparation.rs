@@ -7,16 +7,16 @@ pub use checkpoints::CheckpointWishes;
 use crate::catalogue::Catalogue;
 use crate::orphan::HOME_PREFIX;
 use crate::plan::{Plan, PlannedSave, PlannedUnit};
-use crate::report::{error_text, status};
 use crate::script::Script;
 use crate::supervise::Audience;
-use crate::trace::checkpoint::Saving;
-use crate::trace::run_folder::RunFolder;
-use crate::trace::run_record::{HashedFile, Host, RunRecord, RunState, now, sha256};
 use checkpoints::{Candidate, Checkpoints};
 use dsl::nearest::nearest;
 use dsl::scenario::{Scenario, Value};
 use fmi2::description::{Finding, Severity};
+use results::checkpoint::Saving;
+use results::report::{error_text, status};
+use results::run_folder::RunFolder;
+use results::run_record::{HashedFile, Host, Parameter, RunRecord, RunState, now, sha256};
 use std::collections::BTreeSet;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -213,6 +213,13 @@ fn files_of(scenario: &Scenario, folder: &Path) -> Result<Vec<HashedFile>, Refus
     Ok(files)
 }
 
+/// The parameters of a scenario as results show them.
+#[must_use]
+pub fn parameters(scenario: &Scenario) -> Vec<Parameter> {
+    let parameters = scenario.parameters.iter().cloned();
+    parameters.map(|dsl::scenario::Parameter { name, value, set }| Parameter { name, value, set }).collect()
+}
+
 fn record(script: &Script, scenario: &Scenario, units: Vec<HashedFile>, files: Vec<HashedFile>) -> RunRecord {
     RunRecord {
         lockstep: env!("CARGO_PKG_VERSION"),
@@ -222,7 +229,7 @@ fn record(script: &Script, scenario: &Scenario, units: Vec<HashedFile>, files: V
         units,
         files,
         from: None,
-        parameters: scenario.parameters.clone(),
+        parameters: parameters(scenario),
         host: Host::this(),
         started: now(),
         wall_s: 0.0,
@@ -234,7 +241,7 @@ fn record(script: &Script, scenario: &Scenario, units: Vec<HashedFile>, files: V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::verdict::tests::scenario;
+    use crate::example::scenario;
     use dsl::scenario::Preset;
 
     fn with_file(name: &str) -> Scenario {

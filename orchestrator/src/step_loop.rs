@@ -7,7 +7,7 @@ mod checkpoint;
 mod gather;
 mod initialise;
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;
 mod witness;
 
 pub use checkpoint::Checkpoint;

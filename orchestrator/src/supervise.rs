@@ -11,19 +11,19 @@ mod terms;
 mod tests;
 mod words;
 
-use crate::claims::Verdict;
+use crate::claims::info;
 use crate::message::{Finish, Message, Reason};
 use crate::plan::Plan;
-use crate::report::console::Console;
-use crate::report::progress::Progress;
-use crate::trace::TraceError;
-use crate::trace::checkpoint::Saving;
-use crate::trace::recorder::Recorder;
-use crate::trace::shortest_decimal;
-use crate::trace::verdict::{Finding, JudgedClaim, Judgement};
 use crate::watchdog::Watchdog;
 pub use audience::Audience;
 pub use last_words::{cause_of_death, failure};
+use results::TraceError;
+use results::checkpoint::Saving;
+use results::recorder::Recorder;
+use results::report::console::Console;
+use results::report::progress::Progress;
+use results::shortest_decimal;
+use results::verdict::{JudgedClaim, Standing, Verdict};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use std::io::{self, Write};
@@ -33,7 +33,7 @@ use std::{fs, thread};
 pub use stepping_process::SUBCOMMAND;
 use stepping_process::SteppingProcess;
 pub use terms::{Ended, Orders, Placement, Stepping, SuperviseError};
-use unit::board::{Board, BoardLayout, InCall};
+use unit::board::{Board, BoardLayout, ClaimNote, InCall};
 use unit::failure::{Cause, Failure};
 use unit::time::seconds;
 use words::Words;
@@ -325,7 +325,7 @@ impl<'a, W: Write> Supervision<'a, W> {
         Ok(Ended {
             last_tick,
             interrupted: ended_by_loop.unwrap_or(self.interrupts > 0),
-            findings: findings(self.board, self.plan.scenario.claims.len()),
+            standings: standings(self.board, self.plan.scenario.claims.len()),
             wall: self.began.elapsed(),
             finish: self.finish,
             failure: self.failure,
@@ -333,34 +333,24 @@ impl<'a, W: Write> Supervision<'a, W> {
     }
 }
 
-/// The claims that say something already, for the progress line.
+/// The claims that say something already, for the progress line. One that is open shows the margin so far.
 fn standing_claims(board: &Board, plan: &Plan) -> Vec<JudgedClaim> {
     let claims = plan.scenario.claims.iter().enumerate();
-    let told = claims.filter_map(|(i, claim)| {
-        let note = board.claim(i)?;
-        let judgement = match Verdict::from_number(note.verdict) {
-            Some(Verdict::Fails) => Judgement::Failed,
-            _ => Judgement::Ok,
-        };
-        let finding = Finding { judgement, margin: note.margin, worst_tick: note.worst_tick };
-        Some(JudgedClaim::new(claim, &finding, plan.scenario.step_ns))
+    let shown = claims.filter_map(|(i, claim)| {
+        let standing = standing(&board.claim(i)?);
+        let verdict = if standing.verdict == Verdict::Fails { Verdict::Fails } else { Verdict::Holds };
+        Some(JudgedClaim::new(&info(claim), &Standing { verdict, ..standing }, plan.scenario.step_ns))
     });
-    told.collect()
+    shown.collect()
 }
 
-/// How the first so many claims stand; what is open is unjudged, with the margin so far.
-pub(crate) fn findings(board: &Board, claims: usize) -> Vec<Finding> {
-    let finding = |i| {
-        let unjudged = Finding { judgement: Judgement::Unjudged, margin: f64::NAN, worst_tick: 0 };
-        board.claim(i).map_or(unjudged, |note| Finding {
-            judgement: match Verdict::from_number(note.verdict) {
-                Some(Verdict::Holds) => Judgement::Ok,
-                Some(Verdict::Fails) => Judgement::Failed,
-                Some(Verdict::Undecided | Verdict::Unjudged) | None => Judgement::Unjudged,
-            },
-            margin: note.margin,
-            worst_tick: note.worst_tick,
-        })
-    };
-    (0..claims).map(finding).collect()
+/// How the first so many claims stand.
+pub(crate) fn standings(board: &Board, claims: usize) -> Vec<Standing> {
+    (0..claims).map(|i| board.claim(i).map_or(Standing::UNKNOWN, |note| standing(&note))).collect()
+}
+
+/// A claim's note; a number that is no verdict decides nothing.
+fn standing(note: &ClaimNote) -> Standing {
+    let verdict = Verdict::from_number(note.verdict).unwrap_or(Verdict::Undecided);
+    Standing { verdict, margin: note.margin, worst_tick: note.worst_tick }
 }

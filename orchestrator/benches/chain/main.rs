@@ -11,12 +11,13 @@
 #[expect(dead_code, reason = "shared with the other benchmarks")]
 mod peer;
 
-use orchestrator::claims::{Claims, Standing};
+use orchestrator::claims::Claims;
 use orchestrator::step_loop::{Checkpoint, StepLoop, Wishes, Witness};
 use orchestrator::wiring::Wiring;
 use orchestrator::worker::{InProcess, Seating, Worker};
 use peer::table::{Row, Table, alternate};
 use peer::{Unit, told};
+use results::verdict::Standing;
 use std::error::Error;
 use std::time::{Duration, Instant};
 use unit::board::Board;

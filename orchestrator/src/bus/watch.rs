@@ -19,10 +19,10 @@ pub use session::{ANY_LOCAL_PORT, ListenError, Listening};
 
 use super::run_name::run_name;
 use crate::plan::Plan;
-use crate::report::status;
 use crate::supervise::Audience;
-use crate::trace::run_record::RunState;
 use publisher::Publisher;
+use results::report::status;
+use results::run_record::RunState;
 use rows::Rows;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};

@@ -1,12 +1,13 @@
 //! The value of a claim: of its formula at tick 0, with what is known of it at any time.
 
+use super::Ending;
 use super::history::History;
 use super::judged::{Join, Joined, Outcome};
 use super::memory::{Piece, Visit};
 use super::stream::{Atom, Stream, is_bounded};
-use super::{Ending, Standing, Verdict};
 use crate::expression::{Moment, Place};
 use dsl::scenario::{Formula, TickWindow};
+use results::verdict::{Standing, Verdict};
 
 /// A formula whose value at tick 0 is asked for.
 #[derive(Debug)]

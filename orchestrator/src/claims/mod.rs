@@ -17,46 +17,7 @@ pub use memory::Memory;
 use crate::expression::{Moment, Place};
 use claim::AtStart;
 use dsl::scenario::Claim;
-
-/// How a claim stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Verdict {
-    /// The samples so far do not decide it.
-    Undecided = 0,
-    /// It holds, whatever may come.
-    Holds = 1,
-    /// It fails, whatever may come.
-    Fails = 2,
-    /// The run ended before it was decided.
-    Unjudged = 3,
-}
-
-impl Verdict {
-    /// The verdict of a number, or `None` if no verdict has it.
-    #[must_use]
-    pub fn from_number(number: u8) -> Option<Self> {
-        [Self::Undecided, Self::Holds, Self::Fails, Self::Unjudged].into_iter().find(|&verdict| verdict as u8 == number)
-    }
-}
-
-/// A claim's verdict with the margin over the samples so far.
-#[derive(Clone, Copy, Debug)]
-pub struct Standing {
-    /// The verdict.
-    pub verdict: Verdict,
-    /// The margin, SI; infinite for conditions, not-a-number while no sample counted.
-    pub margin: f64,
-    /// The tick of the sample that the margin comes from.
-    pub worst_tick: u64,
-}
-
-impl PartialEq for Standing {
-    fn eq(&self, other: &Self) -> bool {
-        (self.verdict, self.margin.to_bits(), self.worst_tick)
-            == (other.verdict, other.margin.to_bits(), other.worst_tick)
-    }
-}
+use results::verdict::{ClaimInfo, Limit, MarginUnit, Standing, Verdict};
 
 /// How the samples of a run came to an end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +26,14 @@ pub enum Ending {
     Complete,
     /// The run was cut off: what is not decided stays open.
     CutOff,
+}
+
+/// What reports say of a claim besides how it stands.
+#[must_use]
+pub fn info(claim: &Claim) -> ClaimInfo {
+    let unit = claim.unit.as_ref().map(|unit| MarginUnit { name: unit.name.clone(), factor: unit.factor });
+    let limit = claim.limit.map(|limit| Limit { value: limit.value, upper: limit.upper });
+    ClaimInfo { name: claim.name.clone(), text: claim.text.clone(), line: claim.line, unit, limit }
 }
 
 /// All claims of a script.

@@ -1,12 +1,13 @@
 //! Claims judged online against the definition of their words, evaluated from the whole trace.
 
 use super::judged::{Join, Joined, Judged, Outcome};
-use super::{Claims, Ending, Standing, Verdict};
+use super::{Claims, Ending};
 use crate::expression::Moment;
 use crate::values::{Slot, Values};
 use dsl::scenario::{BooleanExpression, Claim, Formula, Margin, Port, RealExpression, TickWindow};
 use fmi2::description::BaseType;
 use proptest::prelude::*;
+use results::verdict::{Standing, Verdict};
 
 /// The value of a formula at a tick of a trace that ends with its last sample, word by word as the language defines it.
 fn defined(formula: &Formula, at: u64, trace: &[[f64; 2]], ending: Ending) -> Outcome {

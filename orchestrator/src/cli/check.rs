@@ -5,11 +5,11 @@ mod plan;
 mod unit_file;
 
 use crate::catalogue::Catalogue;
-use crate::report;
 use crate::script::Script;
 use dsl::diagnostic::Severity;
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;
+use results::report;
 use std::ffi::OsStr;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 //! `lockstep describe`: a unit's variables, and all units that a script could name.
 
 use crate::catalogue::{Catalogue, Origin};
-use crate::report;
 use fmi2::description::{Causality, Kind, ModelDescription, Variable};
+use results::report;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -137,7 +137,7 @@ fn start(description: &ModelDescription, variable: &Variable) -> String {
         found.map_or_else(|| value.to_string(), |item| format!("\"{}\"", item.name))
     };
     match &variable.kind {
-        Kind::Real(real) => real.start.map(crate::trace::shortest_decimal),
+        Kind::Real(real) => real.start.map(results::shortest_decimal),
         Kind::Integer { start, .. } => start.map(|value| value.to_string()),
         Kind::Boolean { start } => start.map(|value| value.to_string()),
         Kind::String { start } => start.as_ref().map(|value| format!("\"{value}\"")),

@@ -1,8 +1,8 @@
 //! `lockstep diff`: whether two runs are the same, and where they part.
 
-use crate::diff::Difference;
-use crate::report;
-use crate::trace::table::Table;
+use results::diff::Difference;
+use results::report;
+use results::table::Table;
 use std::path::PathBuf;
 
 /// Compares two runs: the first tick, instance and port that differ, and by how much.

@@ -2,10 +2,10 @@
 
 use crate::execution::{Manner, Outcome, carry_out};
 use crate::preparation::{Preparation, Refusal};
-use crate::report;
 use crate::supervise::SuperviseError;
-use crate::trace::TraceError;
-use crate::trace::verdict::Count;
+use results::TraceError;
+use results::report;
+use results::verdict::Count;
 
 /// All claims hold, or there are none.
 const OK: u8 = 0;

@@ -12,8 +12,8 @@ pub mod simulate;
 #[cfg(feature = "bus")]
 pub mod worker;
 
-use crate::report;
 use clap::{Parser, Subcommand};
+use results::report;
 use std::path::{Path, PathBuf};
 use unit::describe::library_description;
 

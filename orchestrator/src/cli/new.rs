@@ -1,6 +1,6 @@
 //! `lockstep new`: a crate for one's own unit.
 
-use crate::report;
+use results::report;
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 //! `lockstep pack`: unit crates become `.fmu` files for this and any other tool.
 
-use crate::report;
 use pack::{UnitCrate, Workspace};
+use results::report;
 use std::path::{Path, PathBuf};
 
 /// Builds unit crates and packs them as .fmu files.

@@ -1,9 +1,10 @@
 //! `lockstep plot`: a picture of a run.
 
-use crate::plot::{Selection, draw};
-use crate::report;
-use crate::trace::run_folder::PLOT_SVG;
-use crate::trace::table::{Table, notes};
+use dsl::nearest::nearest;
+use results::plot::{PlotError, Selection, draw};
+use results::report;
+use results::run_folder::PLOT_SVG;
+use results::table::{Table, notes};
 use std::ffi::OsStr;
 use std::path::PathBuf;
 
@@ -44,7 +45,8 @@ impl Plot {
         let picture = match draw(&title, &table, &notes(&self.run), &selection) {
             Ok(picture) => picture,
             Err(error) => {
-                report::error(&error, Some(&format!("recorded are: {}", table.names.join(", "))));
+                let message = message(&error, &table.names);
+                report::error(&message, Some(&format!("recorded are: {}", table.names.join(", "))));
                 return 2;
             }
         };
@@ -60,4 +62,13 @@ impl Plot {
         report::result(&format!("{}\n", out.display()));
         0
     }
+}
+
+/// An error with the name that was probably meant.
+fn message(error: &PlotError, names: &[String]) -> String {
+    let near = match error {
+        PlotError::Unknown(name) => nearest(name, names.iter().map(String::as_str)),
+        PlotError::Empty => None,
+    };
+    near.map_or_else(|| error.to_string(), |near| format!("{error}; did you mean `{near}`?"))
 }

@@ -1,7 +1,7 @@
 //! `lockstep worker`: holds the instances of a run that another process directs.
 
 use crate::bus::{Address, serve};
-use crate::report;
+use results::report;
 use std::path::PathBuf;
 
 /// Holds an instance for a run; started by `lockstep run --isolate`, not by people.

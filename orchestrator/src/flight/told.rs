@@ -1,10 +1,10 @@
 //! The loop's witness in a run: the board.
 
 use super::pace::Pace;
-use crate::claims::Standing;
 use crate::message::{Message, MessageSink};
 use crate::plan::PlannedSave;
 use crate::step_loop::{Checkpoint, Witness};
+use results::verdict::Standing;
 use std::sync::Arc;
 use unit::board::{Board, ClaimNote};
 

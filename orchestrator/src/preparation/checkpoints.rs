@@ -3,10 +3,10 @@
 use super::Refusal;
 use crate::plan::PlannedUnit;
 use crate::step_loop::Checkpoint;
-use crate::trace::checkpoint::{Identity, Saving};
-use crate::trace::run_record::{Continued, HashedFile, RunRecord, sha256};
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;
+use results::checkpoint::{Identity, Saving};
+use results::run_record::{Continued, HashedFile, RunRecord, sha256};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use unit::time::seconds;
@@ -46,7 +46,7 @@ impl Candidate<'_> {
             return Ok(Checkpoints::default());
         }
         self.refuse_units_without_states()?;
-        let identity = Identity::of(self.record, self.scenario);
+        let identity = Identity::of(self.record, self.scenario.step_ns);
         let from = wishes.from.as_deref().map(|file| self.read(file, &identity)).transpose()?;
         let first_tick = from.as_ref().map_or(0, |(checkpoint, _)| checkpoint.tick + 1);
         let files = wishes.saves.iter().map(|(time, file)| self.save(*time, file, first_tick));
@@ -79,7 +79,8 @@ impl Candidate<'_> {
         let bytes = std::fs::read(file).map_err(|error| cannot(&error, None))?;
         let descriptions: Vec<&ModelDescription> =
             self.unit_of.iter().map(|&unit| &self.units[unit].description).collect();
-        let checkpoint = identity.read(&bytes, self.scenario, &descriptions);
+        let checkpoint = identity.checkpoint_in(&bytes);
+        let checkpoint = checkpoint.and_then(|bytes| Checkpoint::read(bytes, self.scenario, &descriptions));
         let checkpoint = checkpoint.map_err(|error| cannot(&error, Some(&error.help())))?;
         let time_s = seconds(checkpoint.tick, self.scenario.step_ns);
         let continued = Continued { checkpoint: HashedFile { name, sha256: sha256(&bytes) }, time_s };

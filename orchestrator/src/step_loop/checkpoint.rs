@@ -10,6 +10,7 @@ use crate::wiring::{Member, Wiring};
 use crate::worker::{Reply, Terminated};
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;
+use results::checkpoint::CheckpointError;
 use serde::{Deserialize, Serialize};
 use unit::failure::Failure;
 
@@ -48,10 +49,30 @@ struct EarlyResult {
 }
 
 impl Checkpoint {
+    /// Reads a checkpoint of a run of this scenario.
+    ///
+    /// # Errors
+    /// The bytes are damaged, were saved where this run is over, or do not fit the scenario.
+    pub fn read(
+        bytes: &[u8],
+        scenario: &Scenario,
+        descriptions: &[&ModelDescription],
+    ) -> Result<Self, CheckpointError> {
+        let read = postcard::take_from_bytes::<Self>(bytes);
+        let (checkpoint, rest) = read.map_err(|_| CheckpointError::Damaged)?;
+        if checkpoint.tick >= scenario.stop_tick {
+            return Err(CheckpointError::AtTheEnd { tick: checkpoint.tick, step_ns: scenario.step_ns });
+        }
+        if rest.is_empty() && checkpoint.fits(scenario, descriptions) {
+            Ok(checkpoint)
+        } else {
+            Err(CheckpointError::Unfit)
+        }
+    }
+
     /// Whether it could be one of a run of this scenario: as many of everything, each where it may be. What units saved is
     /// theirs to judge.
-    #[must_use]
-    pub fn fits(&self, scenario: &Scenario, descriptions: &[&ModelDescription]) -> bool {
+    pub(super) fn fits(&self, scenario: &Scenario, descriptions: &[&ModelDescription]) -> bool {
         if self.tick >= scenario.stop_tick || self.instances.len() != scenario.instances.len() {
             return false;
         }

@@ -1,7 +1,7 @@
 //! Who sees a run while it goes on: the board, or a test.
 
 use super::Checkpoint;
-use crate::claims::Standing;
+use results::verdict::Standing;
 
 /// Takes what the loop tells. Each of these is called often and must be quick.
 pub trait Witness {

@@ -1,6 +1,6 @@
 //! Who sees a run go on besides its trace.
 
-use crate::trace::run_record::RunState;
+use results::run_record::RunState;
 use std::fmt::Debug;
 use std::sync::Arc;
 use unit::board::Board;

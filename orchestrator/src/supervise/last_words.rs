@@ -1,8 +1,8 @@
 //! What units said and what is known of a stepping process that died, in the words that the user reads.
 
-use crate::trace::shortest_decimal;
 use dsl::scenario::Scenario;
 use fmi2::c::Status;
+use results::shortest_decimal;
 use std::os::unix::process::ExitStatusExt;
 use std::process::ExitStatus;
 use unit::board::InCall;
@@ -58,7 +58,7 @@ pub fn cause_of_death(status: ExitStatus) -> Cause {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::verdict::tests::scenario;
+    use crate::example::scenario;
     use fmi2::calls::Call;
 
     #[test]

@@ -2,9 +2,9 @@
 
 use crate::message::Finish;
 use crate::plan::Plan;
-use crate::trace::TraceError;
-use crate::trace::checkpoint::Saving;
-use crate::trace::verdict::Finding;
+use results::TraceError;
+use results::checkpoint::Saving;
+use results::verdict::Standing;
 use std::path::PathBuf;
 use std::time::Duration;
 use std::{fmt, io};
@@ -60,8 +60,8 @@ pub struct Ended {
     pub failure: Option<Failure>,
     /// Whether the user ended it.
     pub interrupted: bool,
-    /// How each claim came out.
-    pub findings: Vec<Finding>,
+    /// How each claim stands at the end.
+    pub standings: Vec<Standing>,
     /// How long it took.
     pub wall: Duration,
 }

@@ -1,14 +1,13 @@
 //! The parent's side of a run, with a board that the test itself writes like a stepping process.
 
 use super::*;
-use crate::report::console::Style;
-use crate::trace::run_folder::{RunFolder, TRACE_CSV, TRACE_PARQUET};
-use crate::trace::run_record::{self, RunState};
-use crate::trace::signals::tests::signal;
-use crate::trace::verdict::tests::{claim, scenario};
+use crate::example::{claim, record, scenario};
 use fmi2::calls::Call;
-use fmi2::description::BaseType;
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use results::report::console::Style;
+use results::run_folder::{RunFolder, TRACE_CSV, TRACE_PARQUET};
+use results::run_record::RunState;
+use results::signals::{self, Signal};
 use std::fs::File;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
@@ -33,7 +32,7 @@ impl Run {
     fn new() -> Self {
         let home = tempfile::tempdir().unwrap();
         let mut scenario = scenario();
-        scenario.claims = vec![claim("a", "always quad.a", None, None), claim("b", "always quad.b", None, None)];
+        scenario.claims = vec![claim("a", "always quad.a"), claim("b", "always quad.b")];
         let plan = Plan {
             scenario,
             units: vec![],
@@ -74,8 +73,8 @@ impl Run {
 
     /// What the parent makes of it once the process is gone, and what it printed.
     fn concluded(&self, status: i32) -> (Ended, String) {
-        let folder = RunFolder::claim(&self.home.path().join("run"), &run_record::tests::record()).unwrap();
-        let signals = ["time", "quad.x"].map(|name| signal(name, BaseType::Real));
+        let folder = RunFolder::claim(&self.home.path().join("run"), &record()).unwrap();
+        let signals = [signals::time(), Signal { name: "quad.x", ..signals::time() }];
         let mut recorder = Recorder::default();
         recorder.begin_rows(&folder, self.plan.scenario.step_ns, &signals).unwrap();
         let mut console = Console::new(Vec::new(), Style::Tenths);
@@ -152,8 +151,8 @@ fn claims_that_were_decided_before_a_death_stay_decided() {
     run.board.set_claim(0, &note(Verdict::Fails));
     run.board.set_claim(1, &note(Verdict::Undecided));
     let (ended, _) = run.concluded(DIED_OF_SIGSEGV);
-    let judgements: Vec<_> = ended.findings.iter().map(|finding| finding.judgement).collect();
-    assert_eq!(judgements, [Judgement::Failed, Judgement::Unjudged]);
+    let verdicts: Vec<_> = ended.standings.iter().map(|standing| standing.verdict).collect();
+    assert_eq!(verdicts, [Verdict::Fails, Verdict::Undecided]);
 }
 
 #[test]

@@ -3,11 +3,10 @@
 //! Reals are the shortest decimals that read back to the same bits; a watcher's JSON reader knows neither NaN nor
 //! infinities, so that these are texts, as the trace writes them.
 
-use crate::trace::run_record::RunState;
-use crate::trace::shortest_decimal;
-use crate::trace::verdict::{Finding, JudgedClaim, Judgement};
-use dsl::scenario::Claim;
-use fmi2::description::BaseType;
+use results::run_record::RunState;
+use results::shortest_decimal;
+use results::signals::SlotType;
+use results::verdict::{ClaimInfo, JudgedClaim, Standing, Verdict};
 use serde::{Serialize, Serializer};
 use unit::time::seconds;
 
@@ -19,7 +18,7 @@ pub struct Variable {
     /// Its column in rows.
     pub column: usize,
     /// How its slots are read.
-    pub base_type: BaseType,
+    pub slot_type: SlotType,
 }
 
 /// When something was so.
@@ -40,21 +39,21 @@ pub fn values(moment: Moment<'_>, variables: &[Variable], slots: &[u64]) -> Vec<
     json(&ValuesJson { run, tick, time: seconds(tick, step_ns), values: Values { variables, slots } })
 }
 
-/// How far a run is, and how its claims stand: one finding for each.
+/// How far a run is, and how its claims stand: one standing for each.
 #[must_use]
-pub fn state(moment: Moment<'_>, state: RunState, claims: &[Claim], findings: &[Finding]) -> Vec<u8> {
+pub fn state(moment: Moment<'_>, state: RunState, claims: &[ClaimInfo], standings: &[Standing]) -> Vec<u8> {
     let Moment { run, tick, step_ns } = moment;
-    let claims = claims.iter().zip(findings);
-    let claims = claims.map(|(claim, finding)| standing(claim, finding, step_ns, state == RunState::Running)).collect();
+    let claims = claims.iter().zip(standings);
+    let claims = claims.map(|(claim, at)| claim_json(claim, at, step_ns, state == RunState::Running)).collect();
     json(&StateJson { run, tick, time: seconds(tick, step_ns), state, claims })
 }
 
 /// A claim that nothing has decided yet shows the margin so far, and no verdict.
-fn standing<'a>(claim: &'a Claim, finding: &Finding, step_ns: u64, running: bool) -> ClaimJson<'a> {
-    let open = running && finding.judgement == Judgement::Unjudged;
-    let judgement = if open { Judgement::Ok } else { finding.judgement };
+fn claim_json<'a>(claim: &'a ClaimInfo, standing: &Standing, step_ns: u64, running: bool) -> ClaimJson<'a> {
+    let open = running && !standing.verdict.is_decided();
+    let verdict = if open { Verdict::Holds } else { standing.verdict };
     let JudgedClaim { verdict, margin, unit, .. } =
-        JudgedClaim::new(claim, &Finding { judgement, ..*finding }, step_ns);
+        JudgedClaim::new(claim, &Standing { verdict, ..*standing }, step_ns);
     ClaimJson { name: &claim.name, verdict: (!open).then_some(verdict), margin, unit }
 }
 
@@ -83,33 +82,32 @@ struct StateJson<'a> {
 #[derive(Serialize)]
 struct ClaimJson<'a> {
     name: &'a str,
-    verdict: Option<Judgement>,
+    verdict: Option<Verdict>,
     margin: Option<f64>,
     unit: Option<String>,
 }
 
 impl Serialize for Values<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let value = |variable: &Variable| Value { base_type: variable.base_type, slot: self.slots[variable.column] };
+        let value = |variable: &Variable| Value { slot_type: variable.slot_type, slot: self.slots[variable.column] };
         serializer.collect_map(self.variables.iter().map(|variable| (&variable.name, value(variable))))
     }
 }
 
 struct Value {
-    base_type: BaseType,
+    slot_type: SlotType,
     slot: u64,
 }
 
 impl Serialize for Value {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.base_type {
-            BaseType::Real => match f64::from_bits(self.slot) {
+        match self.slot_type {
+            SlotType::Real => match f64::from_bits(self.slot) {
                 value if value.is_finite() => serializer.serialize_f64(value),
                 value => serializer.serialize_str(&shortest_decimal(value)),
             },
-            BaseType::Integer => serializer.serialize_i32(self.slot as u32 as i32),
-            BaseType::Boolean => serializer.serialize_bool(self.slot != 0),
-            BaseType::String => unreachable!("the resolver admits no column of strings"),
+            SlotType::Integer => serializer.serialize_i32(self.slot as u32 as i32),
+            SlotType::Boolean => serializer.serialize_bool(self.slot != 0),
         }
     }
 }
@@ -124,12 +122,12 @@ fn json(value: &impl Serialize) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::verdict::tests::{claim, finding};
+    use crate::example::{claim_info, standing};
 
     const MOMENT: Moment<'static> = Moment { run: "0123456789abcdef", tick: 1234, step_ns: 10_000_000 };
 
-    fn variable(name: &str, column: usize, base_type: BaseType) -> Variable {
-        Variable { name: name.to_owned(), column, base_type }
+    fn variable(name: &str, column: usize, slot_type: SlotType) -> Variable {
+        Variable { name: name.to_owned(), column, slot_type }
     }
 
     fn text(payload: Vec<u8>) -> String {
@@ -139,10 +137,10 @@ mod tests {
     #[test]
     fn values_tell_run_tick_time_and_each_variable_by_its_own_name() {
         let variables = [
-            variable("position.x", 3, BaseType::Real),
-            variable("fallen", 0, BaseType::Boolean),
-            variable("'say \"x\"'", 1, BaseType::Integer),
-            variable("zero", 2, BaseType::Real),
+            variable("position.x", 3, SlotType::Real),
+            variable("fallen", 0, SlotType::Boolean),
+            variable("'say \"x\"'", 1, SlotType::Integer),
+            variable("zero", 2, SlotType::Real),
         ];
         let slots = [1, i64::from(-7).cast_unsigned(), (-0.0_f64).to_bits(), 1.5_f64.to_bits()];
         insta::assert_snapshot!(text(values(MOMENT, &variables, &slots)));
@@ -150,7 +148,7 @@ mod tests {
 
     #[test]
     fn numbers_that_json_does_not_have_are_texts_as_in_the_trace() {
-        let variables = [0, 1, 2].map(|column| variable(&format!("v{column}"), column, BaseType::Real));
+        let variables = [0, 1, 2].map(|column| variable(&format!("v{column}"), column, SlotType::Real));
         let slots = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY].map(f64::to_bits);
         let text = text(values(MOMENT, &variables, &slots));
         assert!(text.ends_with(r#""values":{"v0":"NaN","v1":"inf","v2":"-inf"}}"#), "{text}");
@@ -160,23 +158,23 @@ mod tests {
     fn a_claim_that_is_open_has_a_margin_so_far_and_no_verdict_until_the_run_is_over() {
         let degree = std::f64::consts::PI / 180.0;
         let claims = [
-            claim("tilts", "always quad.tilt < 35 deg", Some(("deg", degree)), Some((35.0, true))),
-            claim("lands", "eventually quad.landed", None, None),
-            claim("calm", "always air.speed < 3 m/s", Some(("m/s", 1.0)), Some((3.0, true))),
+            claim_info("tilts", "always quad.tilt < 35 deg", Some(("deg", degree)), Some((35.0, true))),
+            claim_info("lands", "eventually quad.landed", None, None),
+            claim_info("calm", "always air.speed < 3 m/s", Some(("m/s", 1.0)), Some((3.0, true))),
         ];
-        let findings = [
-            finding(Judgement::Unjudged, 2.5 * degree, 7),
-            finding(Judgement::Unjudged, f64::NAN, 0),
-            finding(Judgement::Failed, -0.25, 9),
+        let standings = [
+            standing(Verdict::Undecided, 2.5 * degree, 7),
+            standing(Verdict::Undecided, f64::NAN, 0),
+            standing(Verdict::Fails, -0.25, 9),
         ];
-        let told = [RunState::Running, RunState::Broken].map(|now| text(state(MOMENT, now, &claims, &findings)));
+        let told = [RunState::Running, RunState::Broken].map(|now| text(state(MOMENT, now, &claims, &standings)));
         insta::assert_snapshot!(told.join("\n"));
     }
 
     proptest::proptest! {
         #[test]
         fn every_real_reads_back_to_the_same_bits(bits: u64) {
-            let text = text(values(MOMENT, &[variable("x", 0, BaseType::Real)], &[bits]));
+            let text = text(values(MOMENT, &[variable("x", 0, SlotType::Real)], &[bits]));
             let read: serde_json::Value = serde_json::from_str(&text).unwrap();
             let (x, value) = (&read["values"]["x"], f64::from_bits(bits));
             let same = x.as_f64().map(f64::to_bits) == Some(bits);

@@ -4,11 +4,13 @@ use super::keys;
 use super::payload::{self, Moment, Variable};
 use super::session::Listening;
 use super::{Rate, SAMPLE_EVERY, Shared};
+use crate::claims::info;
+use crate::columns;
 use crate::plan::Plan;
-use crate::supervise::findings;
-use crate::trace::run_record::RunState;
-use crate::trace::{json_text, signals};
-use dsl::scenario::Claim;
+use crate::supervise::standings;
+use results::json_text;
+use results::run_record::RunState;
+use results::verdict::ClaimInfo;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -42,7 +44,7 @@ pub(super) struct Publisher {
     run: String,
     step_ns: u64,
     columns: usize,
-    claims: Vec<Claim>,
+    claims: Vec<ClaimInfo>,
     instances: Vec<Instance>,
     state: Key,
     taken: VecDeque<u64>,
@@ -62,7 +64,7 @@ impl Publisher {
         let session = listening.session.clone();
         let scenario = &plan.scenario;
         let description_of = |instance: usize| &plan.units[plan.unit_of[instance]].description;
-        let signals: Vec<_> = signals::of_columns(scenario, description_of).collect();
+        let signals: Vec<_> = columns::of(scenario, description_of).collect();
         let mut instances = Vec::new();
         for (index, instance) in scenario.instances.iter().enumerate() {
             let columns = scenario.columns.iter().enumerate().filter(|(_, column)| column.port.instance == index);
@@ -75,7 +77,7 @@ impl Publisher {
             let variable = |&column: &usize| Variable {
                 name: signals[column].variable.unwrap_or_default().to_owned(),
                 column,
-                base_type: signals[column].base_type,
+                slot_type: signals[column].slot_type,
             };
             let key = Key::declare(&session, keys::values(&run, &instance.name), &shared)?;
             instances.push(Instance { key, variables: columns.iter().map(variable).collect() });
@@ -88,7 +90,7 @@ impl Publisher {
             run,
             step_ns: scenario.step_ns,
             columns: scenario.columns.len(),
-            claims: scenario.claims.clone(),
+            claims: scenario.claims.iter().map(info).collect(),
             instances,
             taken: VecDeque::new(),
             told_tick: None,
@@ -133,7 +135,7 @@ impl Publisher {
         }
         let moment = Moment { run: &self.run, tick, step_ns: self.step_ns };
         let claims = &self.claims;
-        if self.state.put(|| payload::state(moment, state, claims, &findings(board, claims.len()))) {
+        if self.state.put(|| payload::state(moment, state, claims, &standings(board, claims.len()))) {
             (self.told_tick, self.told) = (Some(tick), Instant::now());
         }
     }

@@ -1,9 +1,8 @@
 //! A run that is watched from its own session, without a network.
 
 use super::*;
+use crate::example::{description, scenario};
 use crate::plan::PlannedUnit;
-use crate::trace::signals::tests::description;
-use crate::trace::verdict::tests::scenario;
 use dsl::scenario::{Column, Port};
 use serde_json::Value;
 use std::collections::VecDeque;

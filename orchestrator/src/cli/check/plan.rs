@@ -2,9 +2,9 @@
 
 use super::counted;
 use super::fold::{groups, without_shared_members};
-use crate::trace::shortest_decimal;
 use dsl::scenario::{Connection, Drive, InitialStep, Port, RealExpression, Scenario};
 use fmi2::description::{Causality, ModelDescription, Variable};
+use results::shortest_decimal;
 use std::fmt::Write;
 use unit::time::seconds;
 

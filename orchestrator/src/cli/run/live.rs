@@ -2,7 +2,7 @@
 
 use crate::bus::watch::{ANY_LOCAL_PORT, ListenError, Listening, Rate, Watch};
 use crate::preparation::{Preparation, Refusal};
-use crate::report::status;
+use results::report::status;
 
 /// What a run is told about those who watch.
 #[derive(Debug, clap::Args)]

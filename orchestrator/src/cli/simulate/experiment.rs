@@ -1,8 +1,8 @@
 //! How long a unit is simulated, and in which steps.
 
 use crate::preparation::Refusal;
-use crate::trace::shortest_decimal;
 use fmi2::description::ModelDescription;
+use results::shortest_decimal;
 
 /// What nanoseconds can count, in seconds.
 const MAX_S: f64 = 9e9;

@@ -2,10 +2,10 @@
 
 use super::fake::{Answer, Script, Step, U, Y, answering, counter, port, repeater, signal, unit};
 use super::number;
-use crate::claims::Verdict;
 use crate::message::{Finish, Reason};
 use dsl::scenario::{Formula, Margin, RealExpression};
 use fmi2::calls::Call;
+use results::verdict::Verdict;
 use unit::failure::{Cause, Doing};
 
 fn below(instance: usize, limit: f64) -> Formula {

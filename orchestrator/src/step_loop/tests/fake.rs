@@ -1,6 +1,6 @@
 //! Units made of closures, behind the worker's trait, and scripts made of a few words.
 
-use crate::claims::{Claims, Standing, Verdict};
+use crate::claims::Claims;
 use crate::message::Finish;
 use crate::step_loop::{Checkpoint, StepLoop, Wishes, Witness};
 use crate::values::Values;
@@ -11,6 +11,7 @@ use dsl::scenario::{
 };
 use fmi2::calls::Call;
 use fmi2::description::{Causality, Kind, ModelDescription, RealAttributes, RealVariable, Variability, Variable};
+use results::verdict::{Standing, Verdict};
 use std::cell::RefCell;
 use std::rc::Rc;
 use unit::failure::{Cause, Doing, Failure};

@@ -1,8 +1,9 @@
 //! The order of one step, seen through fake units.
 
-pub mod checkpoints;
+mod checkpoint_files;
+mod checkpoints;
 mod endings;
-pub mod fake;
+mod fake;
 
 use dsl::scenario::{BooleanExpression, Drive, InitialStep, Margin, RealExpression};
 use fake::{P, Script, U, V, Y, counter, port, repeater, signal, unit};

@@ -8,9 +8,8 @@
 //! The value is a schema message of the Arrow columnar format, section "Encapsulated message format"; its tables stand in
 //! Arrow's `Message.fbs` and `Schema.fbs`. Every cell of a table has 4 bytes here, since none of the values needs more.
 
-use super::signals::Signal;
+use super::signals::{Signal, SlotType};
 use base64::prelude::{BASE64_STANDARD, Engine};
-use fmi2::description::BaseType;
 
 /// The key in the file's metadata.
 pub const KEY: &str = "ARROW:schema";
@@ -44,11 +43,10 @@ pub fn value(signals: &[Signal<'_>]) -> String {
 }
 
 fn field(signal: &Signal<'_>) -> Value {
-    let (kind, attributes) = match signal.base_type {
-        BaseType::Real => (3, vec![Some(Value::Number(DOUBLE))]),
-        BaseType::Integer => (2, vec![Some(Value::Number(32)), Some(Value::Number(1))]),
-        BaseType::Boolean => (6, Vec::new()),
-        BaseType::String => unreachable!("the resolver admits no column of strings"),
+    let (kind, attributes) = match signal.slot_type {
+        SlotType::Real => (3, vec![Some(Value::Number(DOUBLE))]),
+        SlotType::Integer => (2, vec![Some(Value::Number(32)), Some(Value::Number(1))]),
+        SlotType::Boolean => (6, Vec::new()),
     };
     let text = |text: &str| Some(Value::Text(text.to_owned()));
     let fact = |(key, value): (&str, String)| Value::Table(vec![text(key), Some(Value::Text(value))]);

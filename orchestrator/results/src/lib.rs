@@ -1,15 +1,21 @@
-//! What a run leaves behind: the folder, its files and their formats.
+//! What a run leaves behind and shows: its folder, files and formats, reports, plots and comparisons.
 //!
-//! The parent of a run writes all of it; the loop only hands over rows. `trace.csv`, `trace.parquet`, `signals.json` and
+//! The parent of a run writes all of it; the step loop only hands over rows. Nothing here calls a unit or steps a run, and
+//! the types that are written are plain data of this crate. `trace.csv`, `trace.parquet`, `signals.json` and
 //! `verdict.json` have the same bytes wherever and whenever the run is repeated; what differs between hosts stands in
 //! `run.json` alone.
+
+#![forbid(unsafe_code)]
 
 mod arrow_schema;
 pub mod call_log;
 pub mod checkpoint;
 pub mod csv;
+pub mod diff;
 pub mod parquet;
+pub mod plot;
 pub mod recorder;
+pub mod report;
 pub mod run_folder;
 pub mod run_record;
 pub mod signals;
@@ -76,8 +82,9 @@ pub fn shortest_decimal(value: f64) -> String {
     text.strip_suffix(".0").unwrap_or(text).to_owned()
 }
 
-/// Values as the JSON files of a run write them: indented, a line break at the end.
-pub(crate) fn json_text(value: &impl serde::Serialize) -> String {
+/// A value as the JSON files of a run have it: indented, with a line break at the end.
+#[must_use]
+pub fn json_text(value: &impl serde::Serialize) -> String {
     match serde_json::to_string_pretty(value) {
         Ok(text) => text + "\n",
         Err(error) => unreachable!("plain data with string keys always has a JSON text: {error}"),

@@ -1,9 +1,15 @@
 //! Checkpoint files that are fine, and bytes that are not.
 
-use super::*;
-use crate::step_loop::tests::checkpoints::everything;
-use crate::step_loop::tests::fake::description;
+use super::checkpoints::everything;
+use super::fake::description;
+use crate::step_loop::Checkpoint;
 use proptest::prelude::*;
+use results::checkpoint::{CheckpointError, FORMAT, Identity, MAGIC};
+use results::report::error_text;
+use results::run_record::{HashedFile, Parameter};
+use sha2::{Digest, Sha256};
+use std::fs;
+use std::path::Path;
 use std::sync::OnceLock;
 
 const TICKS: u64 = 15;
@@ -23,7 +29,9 @@ fn identity() -> Identity {
 /// The target: any bytes as a checkpoint of the run of `everything`.
 fn read(bytes: &[u8]) -> Result<Checkpoint, CheckpointError> {
     let script = everything(TICKS);
-    identity().read(bytes, &script.scenario, &vec![&description(); script.units.len()])
+    let identity = identity();
+    let checkpoint = identity.checkpoint_in(bytes)?;
+    Checkpoint::read(checkpoint, &script.scenario, &vec![&description(); script.units.len()])
 }
 
 /// A run saved amid everything, by itself.
@@ -59,12 +67,12 @@ fn what_differs_is_told_at_once_with_what_to_do() {
         let mut other = identity();
         change(&mut other);
         let error = read(&other.file_around(saved()).unwrap()).unwrap_err();
-        crate::report::error_text(&error, Some(&error.help())) + "\n"
+        error_text(&error, Some(&error.help())) + "\n"
     };
     let whole = file(saved());
     let refused = |bytes: &[u8]| {
         let error = read(bytes).unwrap_err();
-        crate::report::error_text(&error, Some(&error.help())) + "\n"
+        error_text(&error, Some(&error.help())) + "\n"
     };
     let version = |version: &str| {
         let content = postcard::to_stdvec(&(version, identity())).unwrap();

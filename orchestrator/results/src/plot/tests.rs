@@ -55,11 +55,11 @@ fn a_mark_stands_at_the_start_at_each_change_and_at_the_end() {
 }
 
 #[test]
-fn a_name_that_was_not_recorded_gets_the_nearest() {
+fn a_name_that_was_not_recorded_is_an_error() {
     let (table, notes) = trace();
     let selection = Selection { signals: vec!["quad.rol".to_owned()], mark: None };
     let error = draw("t", &table, &notes, &selection).unwrap_err();
-    assert_eq!(error.to_string(), "no column or group `quad.rol` was recorded; did you mean `quad.roll`?");
+    assert_eq!(error.to_string(), "no column or group `quad.rol` was recorded");
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! The table of claims at the end of a run.
 
 use super::number::{beside, duration, short};
-use crate::trace::shortest_decimal;
-use crate::trace::verdict::{JudgedClaim, Judgement, Verdict};
-use dsl::scenario::Parameter;
+use crate::run_record::{Parameter, RunState};
+use crate::shortest_decimal;
+use crate::verdict::{JudgedClaim, Verdict, VerdictFile};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -13,7 +13,7 @@ pub struct Heading<'a> {
     /// The script as the user named it.
     pub script: &'a str,
     /// How the run ended.
-    pub ending: Ending,
+    pub state: RunState,
     /// The simulated seconds at which the run began; zero unless it continued.
     pub from_s: f64,
     /// The simulated seconds that the script asks for.
@@ -22,20 +22,9 @@ pub struct Heading<'a> {
     pub wall_s: f64,
 }
 
-/// How a run ended, as far as the heading tells it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
-    /// By itself.
-    Finished,
-    /// A unit or the machine ended it.
-    Broken,
-    /// The user ended it.
-    Interrupted,
-}
-
 /// The report of a run: heading, a line for each claim, how many failed and the line that replays it.
 #[must_use]
-pub fn report(heading: &Heading, verdict: &Verdict, replay: &str) -> String {
+pub fn report(heading: &Heading, verdict: &VerdictFile, replay: &str) -> String {
     let mut text = heading_line(heading, verdict);
     text.push_str(&claim_lines(heading.script, &verdict.claims));
     text.push_str(&count_line(verdict, replay));
@@ -76,13 +65,13 @@ fn shell_word(text: &str) -> String {
 
 /// The first line of a report: how far the run came, how fast, with which parameters.
 #[must_use]
-pub fn heading_line(heading: &Heading, verdict: &Verdict) -> String {
+pub fn heading_line(heading: &Heading, verdict: &VerdictFile) -> String {
     let (reached, stop) = (shortest_decimal(verdict.time_s), shortest_decimal(heading.stop_s));
-    let how_far = match heading.ending {
-        Ending::Finished if verdict.time_s < heading.stop_s => format!("{reached} s of {stop} s, {},", verdict.end),
-        Ending::Finished => format!("{reached} s"),
-        Ending::Broken => format!("broke at {reached} s of {stop} s,"),
-        Ending::Interrupted => format!("interrupted at {reached} s of {stop} s,"),
+    let how_far = match heading.state {
+        RunState::Finished if verdict.time_s < heading.stop_s => format!("{reached} s of {stop} s, {},", verdict.end),
+        RunState::Finished | RunState::Running => format!("{reached} s"),
+        RunState::Broken => format!("broke at {reached} s of {stop} s,"),
+        RunState::Interrupted => format!("interrupted at {reached} s of {stop} s,"),
     };
     let how_far =
         if heading.from_s > 0.0 { format!("{} s to {how_far}", shortest_decimal(heading.from_s)) } else { how_far };
@@ -118,9 +107,9 @@ fn claim_lines(script: &str, claims: &[JudgedClaim]) -> String {
 
 fn cells(script: &str, claim: &JudgedClaim) -> [String; 4] {
     let (verdict, detail) = match claim.verdict {
-        Judgement::Ok => ("ok", claim.claim.clone()),
-        Judgement::Failed => ("FAILED", format!("{script}:{}  {}", claim.line, what_was_seen(claim))),
-        Judgement::Unjudged => ("unjudged", format!("{script}:{}  {}", claim.line, claim.claim)),
+        Verdict::Holds => ("ok", claim.claim.clone()),
+        Verdict::Fails => ("FAILED", format!("{script}:{}  {}", claim.line, what_was_seen(claim))),
+        Verdict::Undecided | Verdict::Unjudged => ("unjudged", format!("{script}:{}  {}", claim.line, claim.claim)),
     };
     [verdict.to_owned(), claim.name.clone(), margin(claim), detail]
 }
@@ -148,7 +137,7 @@ fn unit_suffix(claim: &JudgedClaim) -> String {
     claim.unit.as_ref().map_or_else(String::new, |unit| format!(" {unit}"))
 }
 
-fn count_line(verdict: &Verdict, replay: &str) -> String {
+fn count_line(verdict: &VerdictFile, replay: &str) -> String {
     let (count, all) = (verdict.count(), verdict.claims.len());
     let lost = match (count.failed, count.unjudged) {
         _ if all == 0 => return "No claims in this script: nothing was judged.\n".to_owned(),
@@ -164,26 +153,27 @@ fn count_line(verdict: &Verdict, replay: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::message::Reason;
-    use crate::trace::verdict::Finding;
-    use crate::trace::verdict::tests::{claim, finding, scenario};
-    use crate::trace::verdict::{Verdict, reason_text};
-    use dsl::scenario::Claim;
+    use crate::verdict::tests::{claim, parameters, standing};
+    use crate::verdict::{ClaimInfo, Standing};
 
     const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-    fn told(heading: Heading, last_tick: u64, reason: &Reason, judged: Vec<(Claim, Finding)>) -> String {
-        let mut scenario = scenario();
-        let findings: Vec<_> = judged.iter().map(|(_, finding)| *finding).collect();
-        scenario.claims = judged.into_iter().map(|(claim, _)| claim).collect();
-        let end = reason_text(reason, &scenario);
-        let verdict = Verdict::new(&scenario, "quad.scn", last_tick, end, &findings);
-        let replay = replay_command(heading.script, &scenario.parameters, &[]);
+    fn report_of(heading: Heading, time_s: f64, end: &str, judged: &[(ClaimInfo, Standing)]) -> String {
+        let claims = judged.iter().map(|(claim, standing)| JudgedClaim::new(claim, standing, 10_000_000));
+        let verdict = VerdictFile {
+            scenario: "Quadcopter flies".to_owned(),
+            script: "quad.scn".to_owned(),
+            parameters: parameters(),
+            time_s,
+            end: end.to_owned(),
+            claims: claims.collect(),
+        };
+        let replay = replay_command(heading.script, &verdict.parameters, &[]);
         report(&heading, &verdict, &replay) + &next_lines(Path::new("runs/quad"), true)
     }
 
-    fn heading(ending: Ending) -> Heading<'static> {
-        Heading { script: "scenarios/quad.scn", ending, from_s: 0.0, stop_s: 90.0, wall_s: 6.2 }
+    fn heading(state: RunState) -> Heading<'static> {
+        Heading { script: "scenarios/quad.scn", state, from_s: 0.0, stop_s: 90.0, wall_s: 6.2 }
     }
 
     #[test]
@@ -191,54 +181,52 @@ mod tests {
         let judged = vec![
             (
                 claim("clear", "always world.clearance > 0.8 m", Some(("m", 1.0)), Some((0.8, false))),
-                finding(Judgement::Ok, 1.3149, 4235),
+                standing(Verdict::Holds, 1.3149, 4235),
             ),
             (
                 claim("arrive", "eventually within 85 s hold for 2 s there", Some(("m", 1.0)), None),
-                finding(Judgement::Ok, 0.12, 7102),
+                standing(Verdict::Holds, 0.12, 7102),
             ),
             (
                 claim("tilt", "always quad.tilt < 35 deg", Some(("deg", DEGREE)), Some((35.0, true))),
-                finding(Judgement::Failed, -2.4 * DEGREE, 3188),
+                standing(Verdict::Fails, -2.4 * DEGREE, 3188),
             ),
-            (claim("landed", "eventually quad.landed", None, None), finding(Judgement::Ok, f64::INFINITY, 8000)),
+            (claim("landed", "eventually quad.landed", None, None), standing(Verdict::Holds, f64::INFINITY, 8000)),
             (
                 claim("ratio", "always quad.a / quad.b < 2", Some(("", 1.0)), Some((2.0, true))),
-                finding(Judgement::Failed, -1e-7, 1),
+                standing(Verdict::Fails, -1e-7, 1),
             ),
         ];
-        insta::assert_snapshot!(told(heading(Ending::Finished), 9000, &Reason::StopTime, judged));
+        insta::assert_snapshot!(report_of(heading(RunState::Finished), 90.0, "stop time", &judged));
     }
 
     #[test]
     fn a_run_that_ended_early_says_so() {
-        let judged = || {
-            let landed = claim("landed", "eventually quad.landed", None, None);
-            vec![(landed, finding(Judgement::Unjudged, 0.0, 0))]
-        };
+        let landed = claim("landed", "eventually quad.landed", None, None);
+        let judged = [(landed, standing(Verdict::Unjudged, 0.0, 0))];
         let texts = [
-            told(heading(Ending::Broken), 1234, &Reason::StopTime, judged()),
-            told(heading(Ending::Interrupted), 1234, &Reason::Interrupted, judged()),
-            told(heading(Ending::Finished), 1234, &Reason::Terminated(0), judged()),
+            report_of(heading(RunState::Broken), 12.34, "stop time", &judged),
+            report_of(heading(RunState::Interrupted), 12.34, "interrupted", &judged),
+            report_of(heading(RunState::Finished), 12.34, "`quad` terminated", &judged),
         ];
         insta::assert_snapshot!(texts.join("\n"));
     }
 
     #[test]
     fn the_last_line_counts_what_was_lost() {
-        let make = |verdicts: &[Judgement]| {
-            let judged = verdicts.iter().map(|&verdict| (claim("a", "b", None, None), finding(verdict, 0.0, 0)));
-            let text = told(heading(Ending::Finished), 9000, &Reason::StopTime, judged.collect());
+        let make = |verdicts: &[Verdict]| {
+            let judged = verdicts.iter().map(|&verdict| (claim("a", "b", None, None), standing(verdict, 0.0, 0)));
+            let text = report_of(heading(RunState::Finished), 90.0, "stop time", &judged.collect::<Vec<_>>());
             text.lines().nth(verdicts.len() + 1).map(str::to_owned).unwrap_or_default()
         };
         let replay = "lockstep run scenarios/quad.scn --set 'gust = 4 m/s' replays it";
-        use Judgement::{Failed, Ok, Unjudged};
+        use Verdict::{Fails, Holds, Unjudged};
         assert_eq!(make(&[]), "No claims in this script: nothing was judged.");
-        assert_eq!(make(&[Ok]), "The claim holds.");
-        assert_eq!(make(&[Ok, Ok]), "All 2 claims hold.");
-        assert_eq!(make(&[Ok, Unjudged]), format!("1 of 2 claims could not be judged.  {replay}"));
-        assert_eq!(make(&[Failed, Ok]), format!("1 of 2 claims failed.  {replay}"));
-        assert_eq!(make(&[Failed, Unjudged]), format!("1 of 2 claims failed, 1 could not be judged.  {replay}"));
+        assert_eq!(make(&[Holds]), "The claim holds.");
+        assert_eq!(make(&[Holds, Holds]), "All 2 claims hold.");
+        assert_eq!(make(&[Holds, Unjudged]), format!("1 of 2 claims could not be judged.  {replay}"));
+        assert_eq!(make(&[Fails, Holds]), format!("1 of 2 claims failed.  {replay}"));
+        assert_eq!(make(&[Fails, Unjudged]), format!("1 of 2 claims failed, 1 could not be judged.  {replay}"));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Numbers for people: three significant digits that keep their sign.
 
-use crate::trace::shortest_decimal;
+use crate::shortest_decimal;
 
 /// Three significant digits, without trailing zeros; only zero itself is shown as `0`.
 #[must_use]

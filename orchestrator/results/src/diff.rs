@@ -1,6 +1,6 @@
 //! Compares two traces: the first tick, instance and port that differ, and by how much.
 
-use crate::trace::table::Table;
+use crate::table::Table;
 use std::fmt::Write;
 
 /// What two traces differ in.

@@ -1,8 +1,8 @@
 //! How far a run is: one line that changes on a terminal, one for each tenth elsewhere, JSON for machines.
 
 use super::number::{duration, short};
-use crate::trace::shortest_decimal;
-use crate::trace::verdict::{JudgedClaim, Judgement};
+use crate::shortest_decimal;
+use crate::verdict::{JudgedClaim, Verdict};
 use serde::Serialize;
 
 /// A moment of a run.
@@ -39,7 +39,7 @@ impl Progress {
     /// The claim that is nearest to failing, seen from its limit; one that failed comes first.
     #[must_use]
     pub fn tightest(&self) -> Option<&JudgedClaim> {
-        let told = self.claims.iter().filter(|claim| claim.margin.is_some() || claim.verdict == Judgement::Failed);
+        let told = self.claims.iter().filter(|claim| claim.margin.is_some() || claim.verdict == Verdict::Fails);
         told.min_by(|a, b| tightness(a).total_cmp(&tightness(b)))
     }
 
@@ -99,7 +99,7 @@ fn tightness(claim: &JudgedClaim) -> f64 {
 }
 
 fn claim_words(claim: &JudgedClaim) -> String {
-    let failed = if claim.verdict == Judgement::Failed { " FAILED" } else { "" };
+    let failed = if claim.verdict == Verdict::Fails { " FAILED" } else { "" };
     let unit = claim.unit.as_ref().map_or_else(String::new, |unit| format!(" {unit}"));
     match claim.margin {
         Some(margin) => format!("{}{failed} {}{unit}", claim.name, short(margin)),
@@ -132,12 +132,12 @@ impl Tenths {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::verdict::tests::{claim, finding};
+    use crate::verdict::tests::{claim, standing};
 
     fn progress() -> Progress {
         let judged = |name: &str, unit: (&str, f64), limit: (f64, bool), margin: f64| {
-            let judgement = if margin < 0.0 { Judgement::Failed } else { Judgement::Ok };
-            JudgedClaim::new(&claim(name, "", Some(unit), Some(limit)), &finding(judgement, margin, 5), 10_000_000)
+            let verdict = if margin < 0.0 { Verdict::Fails } else { Verdict::Holds };
+            JudgedClaim::new(&claim(name, "", Some(unit), Some(limit)), &standing(verdict, margin, 5), 10_000_000)
         };
         let claims =
             vec![judged("tilt", ("deg", 0.0175), (35.0, true), 0.0525), judged("clear", ("m", 1.0), (0.8, false), 1.3)];
@@ -159,7 +159,7 @@ mod tests {
     fn a_claim_that_failed_comes_first() {
         let mut progress = progress();
         progress.claims[1].margin = Some(-0.1);
-        progress.claims[1].verdict = Judgement::Failed;
+        progress.claims[1].verdict = Verdict::Fails;
         assert!(progress.line().ends_with("clear FAILED -0.1 m"), "{}", progress.line());
     }
 

@@ -1,6 +1,5 @@
 //! `run.json`: what was run, on which machine, how long it took and how it ended.
 
-use dsl::scenario::Parameter;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::time::{Duration, SystemTime};
@@ -35,6 +34,17 @@ pub struct RunRecord {
     pub simulated_s: Option<f64>,
     /// Why it broke, if it did.
     pub broken: Option<Broken>,
+}
+
+/// A parameter of the script with its value in this run.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Parameter {
+    /// The name.
+    pub name: String,
+    /// The value as it can be typed after `--set name = `.
+    pub value: String,
+    /// Whether the command line set it.
+    pub set: bool,
 }
 
 /// Where a run stands.

@@ -6,9 +6,8 @@
 //! `pyarrow.parquet.read_schema(file).field("quad.height").metadata[b"unit"]`.
 
 use super::run_folder::PartialFile;
-use super::signals::Signal;
+use super::signals::{Signal, SlotType};
 use super::{TraceError, arrow_schema};
-use fmi2::description::BaseType;
 use parquet::basic::{Compression, Encoding, Repetition, Type as PhysicalType};
 use parquet::data_type::{BoolType, DataType, DoubleType, Int32Type};
 use parquet::errors::{ParquetError, Result as Written};
@@ -124,12 +123,12 @@ enum Column {
 impl<W: Write + Send> Columns<W> {
     fn begin(out: W, step_ns: u64, signals: &[Signal<'_>]) -> Written<Self> {
         let fields = signals.iter().map(|signal| {
-            let column = Type::primitive_type_builder(signal.name, physical_type(signal.base_type));
+            let column = Type::primitive_type_builder(signal.name, physical_type(signal.slot_type));
             column.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
         });
         let schema = Type::group_type_builder("trace").with_fields(fields.collect::<Written<_>>()?).build()?;
         let writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties(signals)))?;
-        let columns = signals.iter().skip(1).map(|signal| Column::new(signal.base_type)).collect();
+        let columns = signals.iter().skip(1).map(|signal| Column::new(signal.slot_type)).collect();
         Ok(Self { writer, step_ns, times: Vec::new(), columns })
     }
 
@@ -179,12 +178,11 @@ impl<W: Write + Send> Columns<W> {
 }
 
 impl Column {
-    fn new(base_type: BaseType) -> Self {
-        match base_type {
-            BaseType::Real => Self::Reals(Vec::new()),
-            BaseType::Integer => Self::Integers(Vec::new()),
-            BaseType::Boolean => Self::Booleans(Vec::new()),
-            BaseType::String => unreachable!("the resolver admits no column of strings"),
+    fn new(slot_type: SlotType) -> Self {
+        match slot_type {
+            SlotType::Real => Self::Reals(Vec::new()),
+            SlotType::Integer => Self::Integers(Vec::new()),
+            SlotType::Boolean => Self::Booleans(Vec::new()),
         }
     }
 }
@@ -200,12 +198,11 @@ fn write_column<W: Write + Send, T: DataType>(
     column.close()
 }
 
-fn physical_type(base_type: BaseType) -> PhysicalType {
-    match base_type {
-        BaseType::Real => PhysicalType::DOUBLE,
-        BaseType::Integer => PhysicalType::INT32,
-        BaseType::Boolean => PhysicalType::BOOLEAN,
-        BaseType::String => unreachable!("the resolver admits no column of strings"),
+fn physical_type(slot_type: SlotType) -> PhysicalType {
+    match slot_type {
+        SlotType::Real => PhysicalType::DOUBLE,
+        SlotType::Integer => PhysicalType::INT32,
+        SlotType::Boolean => PhysicalType::BOOLEAN,
     }
 }
 
@@ -220,7 +217,7 @@ fn properties(signals: &[Signal<'_>]) -> WriterProperties {
         .set_dictionary_enabled(false)
         .set_statistics_enabled(EnabledStatistics::None)
         .set_offset_index_disabled(true);
-    let reals = signals.iter().filter(|signal| signal.base_type == BaseType::Real);
+    let reals = signals.iter().filter(|signal| signal.slot_type == SlotType::Real);
     let split = |properties: WriterPropertiesBuilder, signal: &Signal<'_>| {
         properties.set_column_encoding(ColumnPath::from(signal.name), Encoding::BYTE_STREAM_SPLIT)
     };
@@ -242,10 +239,10 @@ mod tests {
 
     fn signals() -> Vec<Signal<'static>> {
         vec![
-            signal("time", BaseType::Real),
-            signal("quad.position.x", BaseType::Real),
-            signal("plan.count", BaseType::Integer),
-            signal("gear.down", BaseType::Boolean),
+            signal("time", SlotType::Real),
+            signal("quad.position.x", SlotType::Real),
+            signal("plan.count", SlotType::Integer),
+            signal("gear.down", SlotType::Boolean),
         ]
     }
 

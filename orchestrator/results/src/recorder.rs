@@ -22,7 +22,7 @@ struct Rows {
 }
 
 impl Recorder {
-    /// Begins the files of rows, and says in `signals.json` what their columns are: those of [`signals::of`].
+    /// Begins the files of rows, and says in `signals.json` what their columns are: the time first.
     ///
     /// # Errors
     /// If the system refuses to write; the error names the file.
@@ -87,12 +87,12 @@ impl Recorder {
 #[test]
 fn rows_stay_readable_as_text_when_the_columns_cannot_be_written() {
     use super::run_record::tests::record;
+    use super::signals::SlotType;
     use super::signals::tests::signal;
-    use fmi2::description::BaseType;
     let home = tempfile::tempdir().unwrap();
     let folder = RunFolder::claim(home.path(), &record()).unwrap();
     std::os::unix::fs::symlink("/dev/full", home.path().join("trace.parquet.partial")).unwrap();
-    let signals = ["time", "quad.x"].map(|name| signal(name, BaseType::Real));
+    let signals = ["time", "quad.x"].map(|name| signal(name, SlotType::Real));
     let mut recorder = Recorder::default();
     recorder.begin_rows(&folder, 1_000_000, &signals).unwrap();
     let (tick, error) = (0..).find_map(|tick| Some((tick, recorder.record(tick, &[tick]).err()?))).unwrap();

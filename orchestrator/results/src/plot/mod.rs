@@ -5,7 +5,7 @@ mod scale;
 mod series;
 mod svg;
 
-use crate::trace::table::{ColumnNote, Table};
+use crate::table::{ColumnNote, Table};
 use paths::{Mark, Path};
 use series::{Curve, Panel};
 use std::fmt;
@@ -29,12 +29,7 @@ pub struct Selection {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PlotError {
     /// No column or group has this name.
-    Unknown {
-        /// The name.
-        name: String,
-        /// The nearest one there is.
-        nearest: Option<String>,
-    },
+    Unknown(String),
     /// The trace has no rows or no columns.
     Empty,
 }
@@ -42,10 +37,7 @@ pub enum PlotError {
 impl fmt::Display for PlotError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unknown { name, nearest: Some(nearest) } => {
-                write!(f, "no column or group `{name}` was recorded; did you mean `{nearest}`?")
-            }
-            Self::Unknown { name, nearest: None } => write!(f, "no column or group `{name}` was recorded"),
+            Self::Unknown(name) => write!(f, "no column or group `{name}` was recorded"),
             Self::Empty => f.write_str("nothing was recorded"),
         }
     }
@@ -127,18 +119,13 @@ impl Trace<'_> {
             for name in names.split(',') {
                 match (self.path(name), self.members(name)) {
                     (Some(path), _) => paths.push(path),
-                    (None, members) if members.is_empty() => return Err(self.unknown(name)),
+                    (None, members) if members.is_empty() => return Err(PlotError::Unknown(name.to_owned())),
                     (None, members) => curves.extend(members),
                 }
             }
             panels.extend(curves.chunk_by(|a, b| self.unit(a) == self.unit(b)).map(|same| self.panel(same)));
         }
         Ok((paths, panels))
-    }
-
-    fn unknown(&self, name: &str) -> PlotError {
-        let nearest = dsl::nearest::nearest(name, self.table.names.iter().map(String::as_str));
-        PlotError::Unknown { name: name.to_owned(), nearest: nearest.map(str::to_owned) }
     }
 
     /// All position groups; then the first groups of columns that are no positions, angles of attitude first.
@@ -168,7 +155,7 @@ impl Trace<'_> {
 
     /// The first row, the rows at which a column changes, and the last row, lettered from A.
     fn marks(&self, name: &str) -> Result<Vec<Mark>, PlotError> {
-        let values = self.column(name).ok_or_else(|| self.unknown(name))?;
+        let values = self.column(name).ok_or_else(|| PlotError::Unknown(name.to_owned()))?;
         let mut indices = vec![0];
         indices.extend((1..values.len()).filter(|&index| values[index].to_bits() != values[index - 1].to_bits()));
         indices.push(values.len() - 1);

@@ -5,7 +5,7 @@
 //! row.
 
 use super::TraceError;
-use fmi2::description::BaseType;
+use super::signals::SlotType;
 use std::io::{self, Write};
 use unit::time::seconds;
 
@@ -20,7 +20,7 @@ pub struct CsvColumn {
     /// The name in the header.
     pub name: String,
     /// How its slots are read.
-    pub base_type: BaseType,
+    pub slot_type: SlotType,
 }
 
 /// Turns rows into text.
@@ -28,7 +28,7 @@ pub struct CsvColumn {
 pub struct CsvWriter<W: Write> {
     out: W,
     step_ns: u64,
-    types: Vec<BaseType>,
+    types: Vec<SlotType>,
     texts: Texts,
     /// Long enough for a piece and a row; what is not yet written ends at `filled`.
     buffer: Vec<u8>,
@@ -48,7 +48,7 @@ impl<W: Write> CsvWriter<W> {
         let filled = buffer.len();
         let widest_row = (columns.len() + 1) * (LONGEST + 1) + 1;
         buffer.resize(filled.max(PIECE) + widest_row, 0);
-        let types = columns.iter().map(|column| column.base_type).collect();
+        let types = columns.iter().map(|column| column.slot_type).collect();
         Self { out, step_ns, types, texts: Texts::new(4 * columns.len()), buffer, filled }
     }
 
@@ -61,9 +61,9 @@ impl<W: Write> CsvWriter<W> {
         let Self { texts, buffer, filled, .. } = self;
         let mut place = Place { buffer, filled: *filled };
         place.add(real_text(&mut zmij::Buffer::new(), seconds(tick, self.step_ns)));
-        for (base_type, &slot) in self.types.iter().zip(slots) {
+        for (slot_type, &slot) in self.types.iter().zip(slots) {
             place.add_byte(b',');
-            texts.append(number(*base_type, slot), &mut place);
+            texts.append(number(*slot_type, slot), &mut place);
         }
         place.add_byte(b'\n');
         *filled = place.filled;
@@ -91,12 +91,11 @@ impl<W: Write> CsvWriter<W> {
 }
 
 /// A slot as a number; those of Integers and Booleans read as shortest decimals of Reals do.
-fn number(base_type: BaseType, slot: u64) -> f64 {
-    match base_type {
-        BaseType::Real => f64::from_bits(slot),
-        BaseType::Integer => f64::from(slot as u32 as i32),
-        BaseType::Boolean => f64::from(u8::from(slot != 0)),
-        BaseType::String => unreachable!("the resolver admits no column of strings"),
+fn number(slot_type: SlotType, slot: u64) -> f64 {
+    match slot_type {
+        SlotType::Real => f64::from_bits(slot),
+        SlotType::Integer => f64::from(slot as u32 as i32),
+        SlotType::Boolean => f64::from(u8::from(slot != 0)),
     }
 }
 
@@ -223,8 +222,8 @@ impl TraceFile {
 mod tests {
     use super::*;
 
-    fn columns(list: &[(&str, BaseType)]) -> Vec<CsvColumn> {
-        list.iter().map(|&(name, base_type)| CsvColumn { name: name.to_owned(), base_type }).collect()
+    fn columns(list: &[(&str, SlotType)]) -> Vec<CsvColumn> {
+        list.iter().map(|&(name, slot_type)| CsvColumn { name: name.to_owned(), slot_type }).collect()
     }
 
     fn text(columns: &[CsvColumn], rows: &[&[u64]]) -> String {
@@ -238,9 +237,9 @@ mod tests {
     #[test]
     fn a_trace_has_time_first_bare_names_and_shortest_decimals() {
         let columns = columns(&[
-            ("quad.position.x", BaseType::Real),
-            ("gear.down", BaseType::Boolean),
-            ("plan.count", BaseType::Integer),
+            ("quad.position.x", SlotType::Real),
+            ("gear.down", SlotType::Boolean),
+            ("plan.count", SlotType::Integer),
         ]);
         let rows: [&[u64]; 4] = [
             &[0.1_f64.to_bits(), 0, 7],
@@ -256,18 +255,18 @@ mod tests {
 
     #[test]
     fn a_name_with_a_comma_is_quoted_and_a_quote_in_it_doubled() {
-        let columns = columns(&[("m[1,2]", BaseType::Real), ("a.'say \"x\"'", BaseType::Real)]);
+        let columns = columns(&[("m[1,2]", SlotType::Real), ("a.'say \"x\"'", SlotType::Real)]);
         assert_eq!(text(&columns, &[]), "time,\"m[1,2]\",\"a.'say \"\"x\"\"'\"\n");
     }
 
     #[test]
     fn the_first_row_shows_a_zero_that_never_changed() {
-        assert_eq!(text(&columns(&[("a.b", BaseType::Real)]), &[&[0]]), "time,a.b\n0,0\n");
+        assert_eq!(text(&columns(&[("a.b", SlotType::Real)]), &[&[0]]), "time,a.b\n0,0\n");
     }
 
     #[test]
     fn the_longest_numbers_fit_into_rows_that_cross_the_end_of_a_piece() {
-        let columns = columns(&[("a.b", BaseType::Real); 40]);
+        let columns = columns(&[("a.b", SlotType::Real); 40]);
         let longest = (-2.225_073_858_507_201_4e-308_f64).to_bits();
         let mut writer = CsvWriter::new(Vec::new(), 1, &columns);
         let rows = 3 * PIECE / (40 * 24);
@@ -283,7 +282,7 @@ mod tests {
     proptest::proptest! {
         #[test]
         fn every_real_reads_back_to_the_same_bits(bits: [u64; 3]) {
-            let columns = columns(&[("a.b", BaseType::Real); 3]);
+            let columns = columns(&[("a.b", SlotType::Real); 3]);
             let text = text(&columns, &[&bits]);
             let row = text.lines().nth(1).unwrap();
             for (cell, bits) in row.split(',').skip(1).zip(bits) {

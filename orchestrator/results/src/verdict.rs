@@ -1,0 +1,260 @@
+//! `verdict.json`: the claims and how they came out, each with the margin by which it held or failed.
+
+use crate::run_record::Parameter;
+use serde::Serialize;
+use unit::time::seconds;
+
+/// The verdict on a claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[repr(u8)]
+pub enum Verdict {
+    /// The samples so far do not decide it.
+    #[serde(rename = "unjudged")]
+    Undecided = 0,
+    /// It holds, whatever comes later.
+    #[serde(rename = "ok")]
+    Holds = 1,
+    /// It fails, whatever comes later.
+    #[serde(rename = "failed")]
+    Fails = 2,
+    /// The run ended before it was decided.
+    #[serde(rename = "unjudged")]
+    Unjudged = 3,
+}
+
+impl Verdict {
+    /// The verdict of a number, or `None` if no verdict has it.
+    #[must_use]
+    pub fn from_number(number: u8) -> Option<Self> {
+        [Self::Undecided, Self::Holds, Self::Fails, Self::Unjudged].into_iter().find(|&verdict| verdict as u8 == number)
+    }
+
+    /// Whether the claim holds or fails.
+    #[must_use]
+    pub fn is_decided(self) -> bool {
+        matches!(self, Self::Holds | Self::Fails)
+    }
+}
+
+/// A claim's verdict with the margin over the samples so far.
+#[derive(Clone, Copy, Debug)]
+pub struct Standing {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The margin in SI units; infinite for conditions, not-a-number while no sample counted.
+    pub margin: f64,
+    /// The tick of the sample that the margin comes from.
+    pub worst_tick: u64,
+}
+
+impl Standing {
+    /// A claim of which no sample is known.
+    pub const UNKNOWN: Self = Self { verdict: Verdict::Undecided, margin: f64::NAN, worst_tick: 0 };
+}
+
+impl PartialEq for Standing {
+    fn eq(&self, other: &Self) -> bool {
+        (self.verdict, self.margin.to_bits(), self.worst_tick)
+            == (other.verdict, other.margin.to_bits(), other.worst_tick)
+    }
+}
+
+/// What reports say of a claim besides how it stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClaimInfo {
+    /// The name.
+    pub name: String,
+    /// The claim as written, on one line.
+    pub text: String,
+    /// Line of the `assert` in its file, from 1.
+    pub line: usize,
+    /// The unit in which margins are shown; `None` where all margins are infinite.
+    pub unit: Option<MarginUnit>,
+    /// For a claim about one comparison with a constant: its limit.
+    pub limit: Option<Limit>,
+}
+
+/// The unit of a margin: a difference, so without offset.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarginUnit {
+    /// The name as the script writes it; empty for plain numbers.
+    pub name: String,
+    /// SI value of one.
+    pub factor: f64,
+}
+
+/// The constant side of a comparison.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// The constant, in [`MarginUnit`].
+    pub value: f64,
+    /// Whether values must stay below it; the value seen is `value - margin`, else `value + margin`.
+    pub upper: bool,
+}
+
+/// The content of `verdict.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VerdictFile {
+    /// The words of the `scenario` line.
+    pub scenario: String,
+    /// The script's file name.
+    pub script: String,
+    /// The parameters with their values in this run.
+    pub parameters: Vec<Parameter>,
+    /// Simulated seconds reached.
+    pub time_s: f64,
+    /// Why the run ended.
+    pub end: String,
+    /// The claims in the script's order.
+    pub claims: Vec<JudgedClaim>,
+}
+
+/// One claim.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JudgedClaim {
+    /// The name.
+    pub name: String,
+    /// How it came out.
+    pub verdict: Verdict,
+    /// How far it was from failing, or below zero how far it failed, in `unit`; `None` where that is no number.
+    pub margin: Option<f64>,
+    /// The unit of `margin`, `limit` and `seen`; `None` for plain numbers.
+    pub unit: Option<String>,
+    /// The worst time in seconds.
+    pub at_s: Option<f64>,
+    /// The claim as written.
+    pub claim: String,
+    /// Its line in the script.
+    pub line: usize,
+    /// The constant that the claim compares with.
+    pub limit: Option<f64>,
+    /// What was seen at the worst time.
+    pub seen: Option<f64>,
+}
+
+/// How many claims came out how.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Count {
+    /// Held.
+    pub ok: usize,
+    /// Did not.
+    pub failed: usize,
+    /// Could not be decided.
+    pub unjudged: usize,
+}
+
+impl VerdictFile {
+    /// The text of the file.
+    #[must_use]
+    pub fn json(&self) -> String {
+        super::json_text(self)
+    }
+
+    /// How many claims came out how.
+    #[must_use]
+    pub fn count(&self) -> Count {
+        let mut count = Count::default();
+        for claim in &self.claims {
+            match claim.verdict {
+                Verdict::Holds => count.ok += 1,
+                Verdict::Fails => count.failed += 1,
+                Verdict::Undecided | Verdict::Unjudged => count.unjudged += 1,
+            }
+        }
+        count
+    }
+}
+
+impl JudgedClaim {
+    /// The claim with its standing, in its own unit.
+    #[must_use]
+    pub fn new(claim: &ClaimInfo, standing: &Standing, step_ns: u64) -> Self {
+        let judged = standing.verdict.is_decided();
+        let factor = claim.unit.as_ref().map_or(1.0, |unit| unit.factor);
+        // Adding zero takes the sign off a margin of zero; the verdict tells whether zero is enough.
+        let margin = (judged && standing.margin.is_finite()).then_some(standing.margin / factor + 0.0);
+        let limit = claim.limit.map(|limit| limit.value);
+        let seen = claim.limit.zip(margin).map(
+            |(limit, margin)| {
+                if limit.upper { limit.value - margin } else { limit.value + margin }
+            },
+        );
+        Self {
+            name: claim.name.clone(),
+            verdict: standing.verdict,
+            margin,
+            unit: claim.unit.as_ref().filter(|unit| !unit.name.is_empty()).map(|unit| unit.name.clone()),
+            at_s: judged.then(|| seconds(standing.worst_tick, step_ns)),
+            claim: claim.text.clone(),
+            line: claim.line,
+            limit,
+            seen,
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    pub(crate) fn parameters() -> Vec<Parameter> {
+        let parameter =
+            |name: &str, value: &str, set| Parameter { name: name.to_owned(), value: value.to_owned(), set };
+        vec![parameter("gust", "4 m/s", true), parameter("seed", "1", false)]
+    }
+
+    pub(crate) fn claim(name: &str, text: &str, unit: Option<(&str, f64)>, limit: Option<(f64, bool)>) -> ClaimInfo {
+        ClaimInfo {
+            name: name.to_owned(),
+            text: text.to_owned(),
+            line: 34,
+            unit: unit.map(|(name, factor)| MarginUnit { name: name.to_owned(), factor }),
+            limit: limit.map(|(value, upper)| Limit { value, upper }),
+        }
+    }
+
+    pub(crate) fn standing(verdict: Verdict, margin: f64, worst_tick: u64) -> Standing {
+        Standing { verdict, margin, worst_tick }
+    }
+
+    #[test]
+    fn a_margin_is_told_in_the_claims_own_unit_with_what_was_seen() {
+        let degree = std::f64::consts::PI / 180.0;
+        let tilt = claim("tilt", "always quad.tilt < 35 deg", Some(("deg", degree)), Some((35.0, true)));
+        let judged = JudgedClaim::new(&tilt, &standing(Verdict::Fails, -2.5 * degree, 3188), 10_000_000);
+        assert_eq!((judged.margin, judged.seen, judged.at_s), (Some(-2.5), Some(37.5), Some(31.88)));
+        let clear = claim("clear", "always world.clearance > 0.75 m", Some(("m", 1.0)), Some((0.75, false)));
+        let judged = JudgedClaim::new(&clear, &standing(Verdict::Holds, 1.25, 0), 10_000_000);
+        assert_eq!((judged.margin, judged.seen), (Some(1.25), Some(2.0)));
+    }
+
+    #[test]
+    fn an_infinite_margin_is_none_and_an_unjudged_claim_has_neither_margin_nor_time() {
+        let landed = claim("landed", "eventually quad.landed", None, None);
+        let held = JudgedClaim::new(&landed, &standing(Verdict::Holds, f64::INFINITY, 7), 1_000_000);
+        assert_eq!((held.margin, held.at_s), (None, Some(0.007)));
+        let open = JudgedClaim::new(&landed, &standing(Verdict::Unjudged, 3.0, 7), 1_000_000);
+        assert_eq!((open.margin, open.at_s), (None, None));
+    }
+
+    #[test]
+    fn the_file_tells_parameters_end_and_every_claim() {
+        let claims = [
+            (
+                claim("clear", "always world.clearance > 0.5 m", Some(("m", 1.0)), Some((0.5, false))),
+                standing(Verdict::Holds, 0.25, 10),
+            ),
+            (claim("landed", "eventually quad.landed", None, None), standing(Verdict::Undecided, 0.0, 0)),
+        ];
+        let verdict = VerdictFile {
+            scenario: "Quadcopter flies".to_owned(),
+            script: "quad.scn".to_owned(),
+            parameters: parameters(),
+            time_s: 4.2,
+            end: "`quad` terminated".to_owned(),
+            claims: claims.iter().map(|(claim, standing)| JudgedClaim::new(claim, standing, 10_000_000)).collect(),
+        };
+        assert_eq!(verdict.count(), Count { ok: 1, failed: 0, unjudged: 1 });
+        insta::assert_snapshot!(verdict.json());
+    }
+}

@@ -1,0 +1,81 @@
+//! What each recorded column is, from the scenario and the descriptions of its units.
+
+use dsl::scenario::{Column, Scenario};
+use fmi2::description::{BaseType, Kind, ModelDescription, Variable};
+use results::signals::{Signal, SlotType};
+
+/// What the columns of a scenario are, in their order; `description_of` gives the description of an instance.
+pub fn of<'a>(
+    scenario: &'a Scenario,
+    description_of: impl Fn(usize) -> &'a ModelDescription,
+) -> impl Iterator<Item = Signal<'a>> {
+    scenario.columns.iter().map(move |column| {
+        signal(column, &scenario.instances[column.port.instance].name, description_of(column.port.instance))
+    })
+}
+
+fn signal<'a>(column: &'a Column, instance: &'a str, description: &'a ModelDescription) -> Signal<'a> {
+    let variable = &description.variables[column.port.variable];
+    Signal {
+        name: &column.name,
+        unit: description.unit_of(variable),
+        instance: Some(instance),
+        variable: Some(&variable.name),
+        kind: kind_name(variable),
+        causality: variable.causality.name(),
+        description: variable.description.as_deref(),
+        items: description.items_of(variable).iter().map(|item| (item.value, item.name.as_str())).collect(),
+        slot_type: slot_type(variable.base_type()),
+    }
+}
+
+fn kind_name(variable: &Variable) -> &'static str {
+    match variable.kind {
+        Kind::Real(_) => "Real",
+        Kind::Integer { .. } => "Integer",
+        Kind::Boolean { .. } => "Boolean",
+        Kind::String { .. } => "String",
+        Kind::Enumeration { .. } => "Enumeration",
+    }
+}
+
+fn slot_type(base_type: BaseType) -> SlotType {
+    match base_type {
+        BaseType::Real => SlotType::Real,
+        BaseType::Integer => SlotType::Integer,
+        BaseType::Boolean => SlotType::Boolean,
+        BaseType::String => unreachable!("the resolver admits no column of strings"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::example;
+    use dsl::scenario::Port;
+    use results::signals::{csv_columns, json, time};
+
+    #[test]
+    fn each_column_has_unit_instance_causality_description_and_items() {
+        let mut scenario = example::scenario();
+        for (name, variable) in [("quad.height", 0), ("quad.method", 1)] {
+            scenario.columns.push(Column { name: name.to_owned(), port: Port { instance: 0, variable } });
+        }
+        let description = example::description();
+        let signals: Vec<_> = std::iter::once(time()).chain(of(&scenario, |_| &description)).collect();
+        insta::assert_snapshot!(json(&signals));
+        let types: Vec<_> = csv_columns(&signals).into_iter().map(|column| column.slot_type).collect();
+        assert_eq!(types, [SlotType::Real, SlotType::Integer]);
+        let facts: Vec<_> = signals[2].facts().into_iter().map(|(key, fact)| format!("{key}: {fact}")).collect();
+        assert_eq!(
+            facts,
+            [
+                "instance: quad",
+                "variable: method",
+                "type: Enumeration",
+                "causality: output",
+                r#"items: {"1":"grid","2":"ant_colony"}"#
+            ]
+        );
+    }
+}

@@ -1,0 +1,108 @@
+//! A small scenario with what belongs to it, for tests.
+
+use dsl::scenario::{BooleanExpression, Claim, Formula, Instance, Parameter, Scenario};
+use fmi2::description::{
+    Causality, Item, Kind, ModelDescription, Position, RealAttributes, RealVariable, SimpleType, TypeKind, Variability,
+    Variable,
+};
+use results::run_record::{HashedFile, Host, RunRecord, RunState};
+use results::verdict::{ClaimInfo, Limit, MarginUnit, Standing, Verdict};
+
+/// A scenario of one quadcopter.
+pub fn scenario() -> Scenario {
+    let parameter = |name: &str, value: &str, set| Parameter { name: name.to_owned(), value: value.to_owned(), set };
+    Scenario {
+        title: "Quadcopter flies".to_owned(),
+        step_ns: 10_000_000,
+        stop_tick: 9000,
+        parameters: vec![parameter("gust", "4 m/s", true), parameter("seed", "1", false)],
+        instances: vec![Instance {
+            name: "quad".to_owned(),
+            unit: "quadcopter".to_owned(),
+            every: 1,
+            wave: 0,
+            presets: vec![],
+        }],
+        initialization: vec![],
+        connections: vec![],
+        events: vec![],
+        rises: vec![],
+        claims: vec![],
+        columns: vec![],
+    }
+}
+
+/// A claim that holds.
+pub fn claim(name: &str, text: &str) -> Claim {
+    let formula = Formula::Condition(BooleanExpression::Constant(true));
+    Claim { name: name.to_owned(), text: text.to_owned(), line: 34, formula, unit: None, limit: None }
+}
+
+/// What reports say of a claim.
+pub fn claim_info(name: &str, text: &str, unit: Option<(&str, f64)>, limit: Option<(f64, bool)>) -> ClaimInfo {
+    ClaimInfo {
+        name: name.to_owned(),
+        text: text.to_owned(),
+        line: 34,
+        unit: unit.map(|(name, factor)| MarginUnit { name: name.to_owned(), factor }),
+        limit: limit.map(|(value, upper)| Limit { value, upper }),
+    }
+}
+
+/// How a claim stands.
+pub fn standing(verdict: Verdict, margin: f64, worst_tick: u64) -> Standing {
+    Standing { verdict, margin, worst_tick }
+}
+
+/// The record of a run that has begun.
+pub fn record() -> RunRecord {
+    let file = |name: &str| HashedFile { name: name.to_owned(), sha256: "0".repeat(64) };
+    RunRecord {
+        lockstep: "0.1.0",
+        state: RunState::Running,
+        scenario: "A unit goes up".to_owned(),
+        script: file("up.scn"),
+        units: vec![file("quadcopter")],
+        files: vec![],
+        from: None,
+        parameters: vec![],
+        host: Host { name: "here".to_owned(), system: "linux", processor: "x86_64" },
+        started: "2030-01-02T03:04:05Z".to_owned(),
+        wall_s: 0.0,
+        simulated_s: None,
+        broken: None,
+    }
+}
+
+fn variable(name: &str, kind: Kind) -> Variable {
+    Variable {
+        position: Position::default(),
+        name: name.to_owned(),
+        value_reference: 0,
+        description: None,
+        causality: Causality::Output,
+        variability: Variability::Continuous,
+        initial: None,
+        declared_type: None,
+        kind,
+    }
+}
+
+/// The description of a unit with a `height` and a `method`.
+pub fn description() -> ModelDescription {
+    let attributes = RealAttributes { unit: Some("m".to_owned()), ..RealAttributes::default() };
+    let mut height = variable("height", Kind::Real(RealVariable { attributes, ..RealVariable::default() }));
+    height.description = Some("Height over ground".to_owned());
+    let mut method = variable("method", Kind::Enumeration { start: None, min: None, max: None });
+    method.declared_type = Some("Method".to_owned());
+    let item =
+        |name: &str, value| Item { name: name.to_owned(), value, description: None, position: Position::default() };
+    let items = vec![item("grid", 1), item("ant_colony", 2)];
+    let types = vec![SimpleType {
+        position: Position::default(),
+        name: "Method".to_owned(),
+        description: None,
+        kind: TypeKind::Enumeration { quantity: None, items },
+    }];
+    ModelDescription { variables: vec![height, method], types, ..ModelDescription::default() }
+}
