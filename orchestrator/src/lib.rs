@@ -12,24 +12,10 @@
 
 #[cfg(feature = "bus")]
 pub mod bus;
-pub mod catalogue;
-pub mod child;
-pub mod claims;
 pub mod cli;
-pub mod columns;
 #[cfg(test)]
 mod example;
-pub mod execution;
-pub mod expression;
-pub mod flight;
-pub mod message;
-pub mod orphan;
-pub mod plan;
-pub mod preparation;
-pub mod script;
-pub mod step_loop;
-pub mod supervise;
-pub mod values;
-pub mod watchdog;
-pub mod wiring;
-pub mod worker;
+pub mod find;
+pub mod flatten;
+pub mod host;
+pub mod run;

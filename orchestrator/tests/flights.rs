@@ -5,9 +5,9 @@ use dsl::scenario::{
     BooleanExpression, Column, Connection, Drive, Event, Instance, Port, Preset, Scenario, Set, Value,
 };
 use fmi2::calls::Call;
-use orchestrator::flight;
-use orchestrator::message::{Finish, Message, Reason};
-use orchestrator::plan::{Plan, PlannedUnit};
+use orchestrator::run::message::{Finish, Message, Reason};
+use orchestrator::run::run_spec::{Plan, PlannedUnit};
+use orchestrator::run::stepping;
 use std::path::PathBuf;
 use std::sync::Arc;
 use tests::foreign::Foreign;
@@ -98,7 +98,7 @@ fn fly(scenario: Scenario, foreign: &Foreign) -> Flown {
         log_calls: vec![],
     };
     let board = Arc::new(Board::private(&layout).unwrap());
-    flight::fly(&plan, &board);
+    stepping::fly(&plan, &board);
     let (mut rows, mut messages) = (Vec::new(), Vec::new());
     board.pop_rows(|_, row| rows.push(row.to_vec()));
     board.pop_messages(|bytes| messages.push(postcard::from_bytes::<Message>(bytes).unwrap()));

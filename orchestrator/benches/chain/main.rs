@@ -11,10 +11,10 @@
 #[expect(dead_code, reason = "shared with the other benchmarks")]
 mod peer;
 
-use orchestrator::claims::Claims;
-use orchestrator::step_loop::{Checkpoint, StepLoop, Wishes, Witness};
-use orchestrator::wiring::Wiring;
-use orchestrator::worker::{InProcess, Seating, Worker};
+use orchestrator::flatten::claims::Claims;
+use orchestrator::flatten::wiring::Wiring;
+use orchestrator::run::step_loop::{Checkpoint, StepLoop, Wishes, Witness};
+use orchestrator::run::worker::{InProcess, Seating, Worker};
 use peer::table::{Row, Table, alternate};
 use peer::{Unit, told};
 use results::verdict::Standing;

@@ -14,10 +14,10 @@ mod peer;
 
 use echo::Echoes;
 use orchestrator::bus::Crew;
-use orchestrator::message::MessageSink;
-use orchestrator::plan::{Plan, PlannedUnit};
-use orchestrator::wiring::Wiring;
-use orchestrator::worker::{Leaving, Order, Worker};
+use orchestrator::flatten::wiring::Wiring;
+use orchestrator::run::message::MessageSink;
+use orchestrator::run::run_spec::{Plan, PlannedUnit};
+use orchestrator::run::worker::{Leaving, Order, Worker};
 use peer::table::{Table, alternate};
 use peer::{Unit, told};
 use std::error::Error;

@@ -5,8 +5,14 @@
 //! of time, so what the socket towards a worker may have no room for goes by a thread of its own. A worker waits for room
 //! as long as it takes: its coordinator may be suspended, and if it is gone so is the link.
 
-use super::pieces::{Joiner, cut};
-use super::reasons::without_source_places;
+mod pieces;
+mod reasons;
+mod run_name;
+
+pub use reasons::without_source_places;
+pub use run_name::run_name;
+
+use pieces::{Joiner, cut};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};

@@ -11,21 +11,11 @@
 //! worker knows blocks of values and ticks; whatever the script says is computed in the coordinator, so that it cannot
 //! differ by where an instance lives.
 
-mod crew;
-mod fleet;
-mod isolated;
+mod coordinator;
 mod link;
-mod opening;
-mod pieces;
-mod reasons;
-mod remote;
-mod run_name;
-mod vigil;
 pub mod watch;
 pub mod wire;
-mod worker_process;
+mod worker;
 
-pub use crew::Crew;
-pub use fleet::{Fleet, SUBCOMMAND};
-pub use isolated::Isolated;
-pub use worker_process::{Address, serve};
+pub use coordinator::{Crew, Fleet, SUBCOMMAND, start_isolated};
+pub use worker::{Address, serve};

@@ -17,9 +17,9 @@ mod tests;
 
 pub use session::{ANY_LOCAL_PORT, ListenError, Listening};
 
-use super::run_name::run_name;
-use crate::plan::Plan;
-use crate::supervise::Audience;
+use crate::bus::link::run_name;
+use crate::host::supervise::Audience;
+use crate::run::run_spec::Plan;
 use publisher::Publisher;
 use results::report::status;
 use results::run_record::RunState;

@@ -11,11 +11,12 @@
 //! both sides mean the same by it is what the schema number says.
 
 mod blocks;
+pub mod open_request;
 
 pub use blocks::Blocks;
 
-use crate::values::Values;
-use crate::wiring::Ports;
+use crate::flatten::values::Values;
+use crate::flatten::wiring::Ports;
 use std::fmt;
 
 const MAGIC: u32 = u32::from_le_bytes(*b"LKS1");

@@ -4,8 +4,8 @@ mod fold;
 mod plan;
 mod unit_file;
 
-use crate::catalogue::Catalogue;
-use crate::script::Script;
+use crate::find::catalogue::Catalogue;
+use crate::find::script::Script;
 use dsl::diagnostic::Severity;
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;

@@ -1,6 +1,6 @@
 //! `lockstep describe`: a unit's variables, and all units that a script could name.
 
-use crate::catalogue::{Catalogue, Origin};
+use crate::find::catalogue::{Catalogue, Origin};
 use fmi2::description::{Causality, Kind, ModelDescription, Variable};
 use results::report;
 use std::fmt::Write;

@@ -1,8 +1,8 @@
 //! The exit codes of a run, which scripts and CI systems rely on, and how a run comes to its own.
 
-use crate::execution::{Manner, Outcome, carry_out};
-use crate::preparation::{Preparation, Refusal};
-use crate::supervise::SuperviseError;
+use crate::find::preparation::Refusal;
+use crate::host::execution::{Manner, Outcome, ReadyRun, carry_out};
+use crate::host::supervise::SuperviseError;
 use results::TraceError;
 use results::report;
 use results::verdict::Count;
@@ -22,7 +22,7 @@ const INTERRUPTED: u8 = 130;
 
 /// Carries out what is prepared, has its outcome told, and returns the exit code.
 pub(super) fn reached(
-    ready: Result<Preparation, Refusal>,
+    ready: Result<ReadyRun, Refusal>,
     manner: Manner,
     tell: impl FnOnce(&Outcome) -> Result<(), TraceError>,
 ) -> u8 {

@@ -77,7 +77,7 @@ impl Cli {
 
 /// Steps the plan on standard input; what keeps it from beginning is told, since no board can tell it.
 fn step_loop() -> u8 {
-    match crate::child::run() {
+    match crate::host::child::run() {
         Ok(()) => 0,
         Err(error) => {
             report::error(&error, None);
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn the_child_of_a_run_is_started_with_a_command_that_exists() {
-        let started = Cli::try_parse_from(["lockstep", crate::supervise::SUBCOMMAND]).map(|cli| cli.command);
+        let started = Cli::try_parse_from(["lockstep", crate::host::supervise::SUBCOMMAND]).map(|cli| cli.command);
         assert!(matches!(started, Ok(Command::StepLoop)));
     }
 

@@ -4,10 +4,10 @@
 mod live;
 
 use super::exit_code;
-use crate::execution::{Manner, Outcome};
-use crate::preparation::{self, CheckpointWishes, Preparation, Refusal, Wanted, default_folder};
-use crate::script::Script;
-use crate::supervise::Placement;
+use crate::find::preparation::{self, CheckpointWishes, Refusal, Wanted, default_folder};
+use crate::find::script::Script;
+use crate::host::execution::{Manner, Outcome, ReadyRun};
+use crate::host::supervise::Placement;
 use results::report;
 use results::report::console::Style;
 use results::report::table::{next_lines, replay_command};
@@ -101,7 +101,7 @@ impl Run {
 
     #[cfg(feature = "bus")]
     fn placement(&self) -> Placement {
-        if self.isolate { Placement::Isolated } else { Placement::Together }
+        if self.isolate { Placement::Isolated(crate::bus::start_isolated) } else { Placement::Together }
     }
 
     #[cfg(not(feature = "bus"))]
@@ -109,7 +109,7 @@ impl Run {
         Placement::Together
     }
 
-    fn prepare(&self) -> Result<Preparation, Refusal> {
+    fn prepare(&self) -> Result<ReadyRun, Refusal> {
         let catalogue = preparation::catalogue(&self.units, !self.no_build)?;
         let script = Script::read(&self.script, &self.set, &catalogue)
             .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", self.script.display()), None))?;
@@ -125,10 +125,11 @@ impl Run {
             log_calls: self.log_fmi_calls.clone(),
             files: Vec::new(),
         };
-        let ready = preparation::prepare(script, wanted)?;
+        let run = preparation::prepare(script, wanted)?;
         #[cfg(feature = "bus")]
-        let ready = self.live.show(listening, ready)?;
-        Ok(ready)
+        return self.live.show(listening, run);
+        #[cfg(not(feature = "bus"))]
+        Ok(run.into())
     }
 
     /// The pairs of `--save-at`.

@@ -6,9 +6,10 @@ mod input_file;
 mod start_values;
 
 use super::exit_code;
-use crate::execution::{Manner, Outcome};
-use crate::preparation::{self, CheckpointWishes, Preparation, Refusal, Wanted};
-use crate::supervise::Placement;
+use crate::find::preparation::{self, CheckpointWishes, Refusal, Wanted};
+use crate::host::execution::{Manner, Outcome, ReadyRun};
+use crate::host::supervise::Placement;
+use crate::run::prepared_run::PreparedRun;
 use alone::Alone;
 use results::TraceError;
 use results::report;
@@ -64,10 +65,10 @@ impl Simulate {
     pub fn run(&self) -> u8 {
         let (style, placement) = (Style::fitting(false), Placement::Together);
         let manner = Manner { style, step_timeout: self.step_timeout, placement };
-        exit_code::reached(self.prepare(), manner, |outcome| self.tell(outcome))
+        exit_code::reached(self.prepare().map(ReadyRun::from), manner, |outcome| self.tell(outcome))
     }
 
-    fn prepare(&self) -> Result<Preparation, Refusal> {
+    fn prepare(&self) -> Result<PreparedRun, Refusal> {
         let catalogue = preparation::catalogue(&self.units, !self.no_build)?;
         let alone = Alone::find(&self.unit, &catalogue)?;
         let (curves, files) = match &self.input {

@@ -1,6 +1,6 @@
 //! The session that those who watch connect to: it listens and speaks, and hears nothing but who watches.
 
-use crate::bus::reasons::without_source_places;
+use crate::bus::link::without_source_places;
 use std::fmt;
 use std::net::SocketAddr;
 use zenoh::config::Config;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::example::{description, scenario};
-use crate::plan::PlannedUnit;
+use crate::run::run_spec::PlannedUnit;
 use dsl::scenario::{Column, Port};
 use serde_json::Value;
 use std::collections::VecDeque;

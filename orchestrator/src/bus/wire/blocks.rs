@@ -1,8 +1,8 @@
 //! Blocks of a message: the values of one instance's ports each.
 
 use super::{Malformed, length};
-use crate::values::Values;
-use crate::wiring::Ports;
+use crate::flatten::values::Values;
+use crate::flatten::wiring::Ports;
 
 /// The blocks of a received message, read one after the other.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! Messages survive the way, and bytes that are none do no harm.
 
 use super::*;
-use crate::wiring::Span;
+use crate::flatten::wiring::Span;
 use proptest::prelude::*;
 
 /// The ports of an instance with so many variables of each type, whose values begin at index 1.

@@ -1,7 +1,9 @@
 //! `lockstep run --live`: where and how a run lets others watch.
 
 use crate::bus::watch::{ANY_LOCAL_PORT, ListenError, Listening, Rate, Watch};
-use crate::preparation::{Preparation, Refusal};
+use crate::find::preparation::Refusal;
+use crate::host::execution::ReadyRun;
+use crate::run::prepared_run::PreparedRun;
 use results::report::status;
 
 /// What a run is told about those who watch.
@@ -31,15 +33,14 @@ impl Live {
     }
 
     /// Makes a run one that can be watched, and tells how.
-    pub fn show(&self, listening: Option<Listening>, ready: Preparation) -> Result<Preparation, Refusal> {
-        let Some(listening) = listening else { return Ok(ready) };
+    pub fn show(&self, listening: Option<Listening>, mut run: PreparedRun) -> Result<ReadyRun, Refusal> {
+        let Some(listening) = listening else { return Ok(run.into()) };
         let rate = if self.live_every_tick { Rate::EveryTick } else { Rate::Sample };
         let addresses = listening.addresses().to_vec();
-        let watch = Watch::new(listening, &ready.plan, rate).map_err(|error| refusal(&error))?;
+        let watch = Watch::new(listening, &run.plan, rate).map_err(|error| refusal(&error))?;
         status(&told(watch.run(), &addresses));
-        let mut ready = Preparation { audience: Some(Box::new(watch)), ..ready };
-        ready.plan.live = true;
-        Ok(ready)
+        run.plan.live = true;
+        Ok(ReadyRun { run, observer: Some(Box::new(watch)) })
     }
 }
 

@@ -3,9 +3,9 @@
 use super::experiment::Experiment;
 use super::input_file::Curves;
 use super::start_values;
-use crate::catalogue::Catalogue;
-use crate::preparation::Refusal;
-use crate::script::Script;
+use crate::find::catalogue::Catalogue;
+use crate::find::preparation::Refusal;
+use crate::find::script::Script;
 use dsl::scenario::{Column, Connection, Drive, InitialStep, Port, Preset, Scenario};
 use fmi2::description::{BaseType, Causality, ModelDescription};
 use results::shortest_decimal;

@@ -1,6 +1,6 @@
 //! How long a unit is simulated, and in which steps.
 
-use crate::preparation::Refusal;
+use crate::find::preparation::Refusal;
 use fmi2::description::ModelDescription;
 use results::shortest_decimal;
 

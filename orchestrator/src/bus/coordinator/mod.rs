@@ -1,0 +1,11 @@
+//! The coordinator's side: worker processes, their initialization, orders to them and what is known of one that died.
+
+mod hang_monitor;
+mod isolated;
+mod remote;
+mod worker_processes;
+mod worker_set;
+
+pub use isolated::start_isolated;
+pub use worker_processes::{Fleet, SUBCOMMAND};
+pub use worker_set::Crew;

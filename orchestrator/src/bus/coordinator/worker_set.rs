@@ -1,0 +1,98 @@
+//! The workers of a run: a process for each instance, started together and led into initialization mode together.
+
+use super::hang_monitor::Vigil;
+use super::remote::{Remote, Way};
+use super::worker_processes::Fleet;
+use crate::bus::link::endpoint;
+use crate::bus::link::run_name;
+use crate::bus::worker::Address;
+use crate::flatten::wiring::Wiring;
+use crate::run::message::MessageSink;
+use crate::run::run_spec::Plan;
+use crate::run::worker::{Leaving, Worker};
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+use unit::board::{Board, BoardLayout};
+use unit::failure::Failure;
+
+/// Worker processes that nobody has called yet.
+#[derive(Debug)]
+pub struct Crew {
+    fleet: Arc<Fleet>,
+    ways: Vec<Way>,
+}
+
+impl Crew {
+    /// Starts so many processes of a program that knows the subcommand, with their boards in a private folder.
+    ///
+    /// # Errors
+    /// A process cannot be started, or its board not be made.
+    pub fn start(program: &Path, home: &Path, count: usize, patience: Option<Duration>) -> io::Result<Self> {
+        let addresses: Vec<_> = (0..count).map(|number| Address { home: home.to_owned(), number }).collect();
+        for address in &addresses {
+            endpoint(&address.socket()).map_err(io::Error::other)?;
+        }
+        let layout = BoardLayout { notes: 1, columns: 0, claims: 0 };
+        let boards = addresses.iter().map(|address| Board::create(&address.board(), &layout).map(Arc::new));
+        let boards = boards.collect::<io::Result<Vec<_>>>()?;
+        let vigil = Arc::new(Vigil::new(&boards, patience));
+        let fleet = Arc::new(Fleet::start(program, &addresses)?);
+        let ways = addresses.into_iter().zip(boards).map(|(address, board)| {
+            let (fleet, vigil) = (Arc::clone(&fleet), Arc::clone(&vigil));
+            Way { address, board, fleet, vigil }
+        });
+        Ok(Self { ways: ways.collect(), fleet })
+    }
+
+    /// The processes.
+    #[must_use]
+    pub fn fleet(&self) -> Arc<Fleet> {
+        Arc::clone(&self.fleet)
+    }
+
+    /// Brings all workers into initialization mode: each step is begun everywhere before the first is awaited. The
+    /// wiring gives to each worker the instances of its number; `sink` hears what units say.
+    ///
+    /// # Errors
+    /// The first in the script's order that could not be brought so far; others are told to go, if they were reached.
+    pub fn enlist<'a>(
+        self,
+        plan: &'a Plan,
+        wiring: &Wiring,
+        sink: &MessageSink,
+    ) -> Result<Vec<Box<dyn Worker + 'a>>, Failure> {
+        let run = run_name();
+        let dialled: Vec<_> = thread::scope(|scope| {
+            let dial = |way| {
+                let run = &run;
+                scope.spawn(move || Remote::dial(plan, wiring, way, Arc::clone(sink), run))
+            };
+            let threads: Vec<_> = self.ways.into_iter().map(dial).collect();
+            let join = |thread: thread::ScopedJoinHandle<'_, _>| {
+                thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+            };
+            threads.into_iter().map(join).collect()
+        });
+        let mut remotes = dialled.into_iter().collect::<Result<Vec<_>, _>>()?;
+        for step in [Remote::greet, Remote::open, Remote::enter] {
+            let asked: Vec<_> = remotes.iter_mut().map(step).collect();
+            let mut failed = None;
+            for (remote, asked) in remotes.iter_mut().zip(asked) {
+                if let Err(lost) = asked.and_then(|asked| remote.agree(asked)) {
+                    failed.get_or_insert(lost.failure);
+                }
+            }
+            if let Some(failure) = failed {
+                for remote in &mut remotes {
+                    // What goes wrong with them now is no news.
+                    remote.finish(0, Leaving::AtOnce).ok();
+                }
+                return Err(failure);
+            }
+        }
+        Ok(remotes.into_iter().map(|remote| Box::new(remote) as Box<dyn Worker>).collect())
+    }
+}

@@ -1,0 +1,127 @@
+//! Formulas with a word that reaches to the end of the run inside another word: judged when the run has ended.
+//!
+//! Such a word has one value for each tick, and all of them change with the last sample. So the values of its bounded
+//! parts are kept, in memory that is there from the start, and joined afterwards in one pass for each word.
+
+use super::judged::{Join, Joined, Outcome};
+use super::memory::{Piece, Visit};
+use super::stream::{Stream, horizon, is_bounded};
+use super::window::Window;
+use crate::flatten::expression::{Moment, Place};
+use dsl::scenario::{Formula, TickWindow};
+
+/// A run of more ticks makes room for their values as it comes to them; few such runs are meant to come to their end.
+const ROOM_FROM_THE_START: usize = 10_000_000;
+
+/// A formula with the values of its bounded parts so far.
+#[derive(Debug)]
+pub enum History {
+    /// A bounded part.
+    Bounded(Stream, Vec<Outcome>),
+    /// `and`, `or`
+    Junction(Join, Vec<History>),
+    /// `always`, `eventually`, with the body's horizon.
+    Word(Join, TickWindow, u64, Box<History>),
+}
+
+impl History {
+    /// Prepares for samples of ticks 0 to `stop_tick`.
+    pub fn new(formula: &Formula, stop_tick: u64, place: &mut Place<'_>) -> Self {
+        if is_bounded(formula) {
+            let ticks = usize::try_from(stop_tick.saturating_add(1)).unwrap_or(usize::MAX);
+            let room = Vec::with_capacity(ticks.min(ROOM_FROM_THE_START));
+            return Self::Bounded(Stream::new(formula, place), room);
+        }
+        match formula {
+            Formula::And(parts) | Formula::Or(parts) => {
+                let join = if matches!(formula, Formula::And(_)) { Join::All } else { Join::Any };
+                Self::Junction(join, parts.iter().map(|part| Self::new(part, stop_tick, place)).collect())
+            }
+            Formula::Always(window, body) | Formula::Eventually(window, body) => {
+                let join = if matches!(formula, Formula::Always(..)) { Join::All } else { Join::Any };
+                Self::Word(join, *window, horizon(body), Box::new(Self::new(body, stop_tick, place)))
+            }
+            Formula::Margin(_) | Formula::Condition(_) => unreachable!("an atom is bounded"),
+        }
+    }
+
+    /// Takes the sample of a tick, or `None` after the last.
+    pub fn take(&mut self, tick: u64, sample: Option<&Moment<'_>>) {
+        match self {
+            Self::Bounded(stream, values) => {
+                let outcome = stream.take(tick, sample);
+                if tick >= stream.horizon {
+                    values.push(outcome);
+                }
+            }
+            Self::Junction(_, parts) => parts.iter_mut().for_each(|part| part.take(tick, sample)),
+            Self::Word(_, _, _, body) => body.take(tick, sample),
+        }
+    }
+
+    /// Shows what it remembers; after so many samples.
+    pub(super) fn visit(&mut self, samples: u64, each: &mut Visit<'_>) {
+        match self {
+            Self::Bounded(stream, values) => {
+                stream.visit(each);
+                each(Piece::Grown(values, samples.saturating_sub(stream.horizon)));
+            }
+            Self::Junction(_, parts) => parts.iter_mut().for_each(|part| part.visit(samples, each)),
+            Self::Word(_, _, _, body) => body.visit(samples, each),
+        }
+    }
+
+    /// The values at ticks 0 to `last`, the tick of the last sample.
+    pub fn values(&mut self, last: u64, complete: bool) -> Vec<Outcome> {
+        match self {
+            Self::Bounded(stream, values) => {
+                for tick in last + 1..=last + stream.horizon {
+                    let outcome = stream.take(tick, None);
+                    if tick >= stream.horizon {
+                        values.push(outcome);
+                    }
+                }
+                std::mem::take(values)
+            }
+            Self::Junction(join, parts) => {
+                let parts: Vec<_> = parts.iter_mut().map(|part| part.values(last, complete)).collect();
+                let at = |tick: usize| {
+                    let mut joined = Joined::new(*join);
+                    for part in &parts {
+                        joined.take(part[tick]);
+                    }
+                    joined.outcome(true)
+                };
+                (0..parts[0].len()).map(at).collect()
+            }
+            Self::Word(join, window, horizon, body) => {
+                let body = body.values(last, complete);
+                match window.to {
+                    Some(to) => bounded(*join, window.from, to, &body),
+                    None => unbounded(*join, window.from, *horizon, &body, complete),
+                }
+            }
+        }
+    }
+}
+
+/// The values of a bounded word, where ticks after the last are open.
+fn bounded(join: Join, from: u64, to: u64, body: &[Outcome]) -> Vec<Outcome> {
+    let mut window = Window::new(join, (to + 1).saturating_sub(from));
+    let open = std::iter::repeat_n(&None, usize::try_from(to).unwrap_or(usize::MAX));
+    let ends = (0..).zip(body.iter().chain(open)).map(|(tick, outcome)| window.slide(tick, *outcome));
+    ends.skip(usize::try_from(to).unwrap_or(usize::MAX)).collect()
+}
+
+/// The values of an unbounded word: from each tick the rest of the run, short of the body's horizon.
+fn unbounded(join: Join, from: u64, horizon: u64, body: &[Outcome], complete: bool) -> Vec<Outcome> {
+    let [from, horizon] = [from, horizon].map(|ticks| usize::try_from(ticks).unwrap_or(usize::MAX));
+    let judgeable = body.len().saturating_sub(horizon);
+    let mut values = vec![None; body.len()];
+    let mut joined = Joined::new(join);
+    for first in (from..judgeable).rev() {
+        joined.take_earlier(body[first]);
+        values[first - from] = joined.outcome(complete);
+    }
+    values
+}

@@ -1,0 +1,100 @@
+//! Claims judged online: each takes one sample a tick and always knows how it stands.
+//!
+//! A claim is a `claim::AtStart` over `stream::Stream`s. All memory is there before the first sample, so that
+//! taking one allocates nothing. Next on the walk: `trace/` and `report/`.
+
+mod claim;
+mod history;
+mod judged;
+mod memory;
+mod stream;
+#[cfg(test)]
+mod tests;
+mod window;
+
+pub use memory::Memory;
+
+use crate::flatten::expression::{Moment, Place};
+use claim::AtStart;
+use dsl::scenario::Claim;
+use results::verdict::{ClaimInfo, Limit, MarginUnit, Standing, Verdict};
+
+/// How the samples of a run came to an end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The run is complete, at its stop time or where a unit ended it: unbounded words range up to here.
+    Complete,
+    /// The run was cut off: what is not decided stays open.
+    CutOff,
+}
+
+/// What reports say of a claim besides how it stands.
+#[must_use]
+pub fn info(claim: &Claim) -> ClaimInfo {
+    let unit = claim.unit.as_ref().map(|unit| MarginUnit { name: unit.name.clone(), factor: unit.factor });
+    let limit = claim.limit.map(|limit| Limit { value: limit.value, upper: limit.upper });
+    ClaimInfo { name: claim.name.clone(), text: claim.text.clone(), line: claim.line, unit, limit }
+}
+
+/// All claims of a script.
+#[derive(Debug)]
+pub struct Claims {
+    monitors: Vec<Monitor>,
+    lost: Option<usize>,
+}
+
+#[derive(Debug)]
+struct Monitor {
+    formula: AtStart,
+    standing: Standing,
+}
+
+impl Claims {
+    /// Prepares for samples of ticks 0 to `stop_tick`.
+    pub fn new(claims: &[Claim], stop_tick: u64, place: &mut Place<'_>) -> Self {
+        let monitor = |claim: &Claim| {
+            let formula = AtStart::new(&claim.formula, stop_tick, place);
+            let standing = formula.standing(false);
+            Monitor { formula, standing }
+        };
+        Self { monitors: claims.iter().map(monitor).collect(), lost: None }
+    }
+
+    /// Takes the sample of a tick; ticks come without gaps from 0. Tells each claim whose standing changed.
+    pub fn take(&mut self, tick: u64, moment: &Moment<'_>, mut changed: impl FnMut(usize, Standing)) {
+        for (index, monitor) in self.monitors.iter_mut().enumerate() {
+            if monitor.formula.take(tick, moment) {
+                let standing = monitor.formula.standing(false);
+                if standing != monitor.standing {
+                    monitor.standing = standing;
+                    changed(index, standing);
+                    if standing.verdict == Verdict::Fails {
+                        self.lost.get_or_insert(index);
+                    }
+                }
+            }
+        }
+    }
+
+    /// How each claim stands.
+    pub fn standings(&self) -> impl Iterator<Item = (usize, Standing)> + '_ {
+        self.monitors.iter().map(|monitor| monitor.standing).enumerate()
+    }
+
+    /// The claim that was lost first.
+    #[must_use]
+    pub fn lost(&self) -> Option<usize> {
+        self.lost
+    }
+
+    /// Decides what the samples up to `last_tick` decide, or up to none; nothing of it is undecided afterwards.
+    pub fn end(&mut self, last_tick: Option<u64>, ending: Ending, mut told: impl FnMut(usize, Standing)) {
+        for (index, monitor) in self.monitors.iter_mut().enumerate() {
+            if let Some(last_tick) = last_tick {
+                monitor.formula.end(last_tick, ending);
+            }
+            monitor.standing = monitor.formula.standing(true);
+            told(index, monitor.standing);
+        }
+    }
+}

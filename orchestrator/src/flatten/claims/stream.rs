@@ -1,0 +1,157 @@
+//! The value of a bounded formula at each tick, as soon as the samples that it looks at are there.
+
+use super::judged::{Join, Joined, Judged, Outcome};
+use super::memory::{Piece, Visit};
+use super::window::Window;
+use crate::flatten::expression::{Moment, Place, Program};
+use dsl::scenario::Formula;
+
+/// How many ticks a formula looks ahead: 0 for a comparison; a bounded word adds its upper bound, an unbounded one nothing.
+#[must_use]
+pub fn horizon(formula: &Formula) -> u64 {
+    match formula {
+        Formula::Margin(_) | Formula::Condition(_) => 0,
+        Formula::And(parts) | Formula::Or(parts) => parts.iter().map(horizon).max().unwrap_or(0),
+        Formula::Always(window, body) | Formula::Eventually(window, body) => window.to.unwrap_or(0) + horizon(body),
+    }
+}
+
+/// Whether no word in it reaches to the end of the run.
+#[must_use]
+pub fn is_bounded(formula: &Formula) -> bool {
+    match formula {
+        Formula::Margin(_) | Formula::Condition(_) => true,
+        Formula::And(parts) | Formula::Or(parts) => parts.iter().all(is_bounded),
+        Formula::Always(window, body) | Formula::Eventually(window, body) => window.to.is_some() && is_bounded(body),
+    }
+}
+
+/// A bounded formula that turns samples into values, `horizon` ticks later.
+#[derive(Debug)]
+pub struct Stream {
+    /// How many ticks a value comes after the tick that it belongs to.
+    pub horizon: u64,
+    node: Node,
+}
+
+#[derive(Debug)]
+enum Node {
+    Atom(Atom),
+    Junction { join: Join, parts: Vec<(Stream, Delay)> },
+    Word { body: Box<Stream>, window: Window },
+}
+
+impl Stream {
+    /// Prepares for the first sample.
+    pub fn new(formula: &Formula, place: &mut Place<'_>) -> Self {
+        let horizon = horizon(formula);
+        let node = match formula {
+            Formula::Margin(_) | Formula::Condition(_) => Node::Atom(Atom::new(formula, place)),
+            Formula::And(parts) => Node::junction(Join::All, parts, horizon, place),
+            Formula::Or(parts) => Node::junction(Join::Any, parts, horizon, place),
+            Formula::Always(window, body) | Formula::Eventually(window, body) => {
+                let join = if matches!(formula, Formula::Always(..)) { Join::All } else { Join::Any };
+                let to = window.to.unwrap_or_else(|| unreachable!("an unbounded word in a bounded formula"));
+                let window = Window::new(join, (to + 1).saturating_sub(window.from));
+                Node::Word { body: Box::new(Self::new(body, place)), window }
+            }
+        };
+        Self { horizon, node }
+    }
+
+    /// Takes the sample of `tick`, or `None` after the last, and returns the value at `tick - horizon`.
+    pub fn take(&mut self, tick: u64, sample: Option<&Moment<'_>>) -> Outcome {
+        match &mut self.node {
+            Node::Atom(atom) => sample.map(|moment| atom.judge(tick, moment)),
+            Node::Junction { join, parts } => {
+                let mut joined = Joined::new(*join);
+                for (part, delay) in parts {
+                    let outcome = part.take(tick, sample);
+                    joined.take(delay.pass(tick, outcome));
+                }
+                joined.outcome(true)
+            }
+            Node::Word { body, window } => {
+                let outcome = body.take(tick, sample);
+                tick.checked_sub(body.horizon).and_then(|at| window.slide(at, outcome))
+            }
+        }
+    }
+
+    /// Shows what it remembers.
+    pub(super) fn visit(&mut self, each: &mut Visit<'_>) {
+        match &mut self.node {
+            Node::Atom(_) => {}
+            Node::Junction { parts, .. } => {
+                for (part, delay) in parts {
+                    part.visit(each);
+                    each(Piece::Outcomes(&mut delay.0));
+                }
+            }
+            Node::Word { body, window } => {
+                body.visit(each);
+                window.visit(each);
+            }
+        }
+    }
+}
+
+impl Node {
+    fn junction(join: Join, parts: &[Formula], horizon: u64, place: &mut Place<'_>) -> Self {
+        let part = |part| {
+            let stream = Stream::new(part, place);
+            let delay = Delay::new(horizon - stream.horizon);
+            (stream, delay)
+        };
+        Self::Junction { join, parts: parts.iter().map(part).collect() }
+    }
+}
+
+/// A comparison or a condition.
+#[derive(Debug)]
+pub struct Atom {
+    program: Program,
+    /// Of a comparison: whether zero fails. `None` for a condition.
+    strict: Option<bool>,
+}
+
+impl Atom {
+    /// Compiles an atom.
+    pub fn new(formula: &Formula, place: &mut Place<'_>) -> Self {
+        match formula {
+            Formula::Margin(margin) => {
+                Self { program: Program::compile_real(&margin.value, place), strict: Some(margin.strict) }
+            }
+            Formula::Condition(condition) => {
+                Self { program: Program::compile_condition(condition, place), strict: None }
+            }
+            _ => unreachable!("{formula:?} is no atom"),
+        }
+    }
+
+    /// Its value at the tick of the sample.
+    pub fn judge(&mut self, tick: u64, moment: &Moment<'_>) -> Judged {
+        match self.strict {
+            Some(strict) => Judged::margin(self.program.real(moment), strict, tick),
+            None => Judged::condition(self.program.holds(moment), tick),
+        }
+    }
+}
+
+/// Holds values back for some ticks.
+#[derive(Debug)]
+struct Delay(Vec<Outcome>);
+
+impl Delay {
+    fn new(ticks: u64) -> Self {
+        Self(vec![None; usize::try_from(ticks).unwrap_or(usize::MAX)])
+    }
+
+    fn pass(&mut self, tick: u64, outcome: Outcome) -> Outcome {
+        let length = self.0.len() as u64;
+        match tick.checked_rem(length).and_then(|place| self.0.get_mut(usize::try_from(place).ok()?)) {
+            Some(held) => std::mem::replace(held, outcome),
+            None => outcome,
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Claims judged online against the definition of their words, evaluated from the whole trace.
+
+use super::judged::{Join, Joined, Judged, Outcome};
+use super::{Claims, Ending};
+use crate::flatten::expression::Moment;
+use crate::flatten::values::{Slot, Values};
+use dsl::scenario::{BooleanExpression, Claim, Formula, Margin, Port, RealExpression, TickWindow};
+use fmi2::description::BaseType;
+use proptest::prelude::*;
+use results::verdict::{Standing, Verdict};
+
+/// The value of a formula at a tick of a trace that ends with its last sample, word by word as the language defines it.
+fn defined(formula: &Formula, at: u64, trace: &[[f64; 2]], ending: Ending) -> Outcome {
+    let last = trace.len() as u64 - 1;
+    let sample = |variable: usize| trace.get(usize::try_from(at).unwrap()).map(|sample| sample[variable]);
+    let join = if matches!(formula, Formula::And(_) | Formula::Always(..)) { Join::All } else { Join::Any };
+    let mut joined = Joined::new(join);
+    match formula {
+        Formula::Margin(Margin { value: RealExpression::Signal(port), strict }) => {
+            sample(port.variable).map(|value| Judged::margin(value, *strict, at))
+        }
+        Formula::Condition(BooleanExpression::Margin(Margin { value: RealExpression::Signal(port), .. })) => {
+            sample(port.variable).map(|value| Judged::condition(value > 0.0, at))
+        }
+        Formula::And(parts) | Formula::Or(parts) => {
+            for part in parts {
+                joined.take(defined(part, at, trace, ending));
+            }
+            joined.outcome(true)
+        }
+        Formula::Always(window, body) | Formula::Eventually(window, body) => {
+            let last_judgeable = last.checked_sub(horizon(body));
+            let to = window.to.map(|to| at + to).or(last_judgeable);
+            for tick in at + window.from..to.map_or(0, |to| to + 1) {
+                joined.take(defined(body, tick, trace, ending));
+            }
+            joined.outcome(window.to.is_some() || ending == Ending::Complete)
+        }
+        _ => unreachable!(),
+    }
+}
+
+/// How many ticks ahead of its own a formula needs samples.
+fn horizon(formula: &Formula) -> u64 {
+    match formula {
+        Formula::And(parts) | Formula::Or(parts) => parts.iter().fold(0, |most, part| most.max(horizon(part))),
+        Formula::Always(window, body) | Formula::Eventually(window, body) => horizon(body) + window.to.unwrap_or(0),
+        _ => 0,
+    }
+}
+
+fn claims_of(formula: &Formula, stop_tick: u64) -> Claims {
+    let claim =
+        Claim { name: String::new(), text: String::new(), line: 1, formula: formula.clone(), unit: None, limit: None };
+    Claims::new(&[claim], stop_tick, &mut |port| Slot { base: BaseType::Real, index: port.variable })
+}
+
+fn take(claims: &mut Claims, first_tick: u64, samples: &[[f64; 2]]) {
+    for (tick, sample) in (first_tick..).zip(samples) {
+        let outputs = Values { reals: sample.to_vec(), ..Values::default() };
+        claims.take(tick, &Moment { outputs: &outputs, time_s: 0.0, rises: &[] }, |_, _| {});
+    }
+}
+
+fn judge(formula: &Formula, trace: &[[f64; 2]], stop_tick: u64, ending: Ending) -> (Claims, Standing) {
+    let mut claims = claims_of(formula, stop_tick);
+    take(&mut claims, 0, trace);
+    let early = claims.monitors[0].standing;
+    claims.end((trace.len() as u64).checked_sub(1), ending, |_, _| {});
+    (claims, early)
+}
+
+fn signal(variable: usize) -> RealExpression {
+    RealExpression::Signal(Port { instance: 0, variable })
+}
+
+fn above_zero(variable: usize, strict: bool) -> Formula {
+    Formula::Margin(Margin { value: signal(variable), strict })
+}
+
+fn always(from: u64, to: Option<u64>, body: Formula) -> Formula {
+    Formula::Always(TickWindow { from, to }, Box::new(body))
+}
+
+fn eventually(from: u64, to: Option<u64>, body: Formula) -> Formula {
+    Formula::Eventually(TickWindow { from, to }, Box::new(body))
+}
+
+fn any_atom() -> impl Strategy<Value = Formula> {
+    let condition =
+        |variable| Formula::Condition(BooleanExpression::Margin(Margin { value: signal(variable), strict: true }));
+    prop_oneof![
+        (0..2_usize, any::<bool>()).prop_map(|(variable, strict)| above_zero(variable, strict)),
+        (0..2_usize).prop_map(condition),
+    ]
+}
+
+fn any_word(body: impl Strategy<Value = Formula>) -> impl Strategy<Value = Formula> {
+    let to = prop::option::weighted(0.6, 0..4_u64);
+    (any::<bool>(), 0..3_u64, to, body).prop_map(|(all, from, more, body)| {
+        let to = more.map(|more| from + more);
+        if all { always(from, to, body) } else { eventually(from, to, body) }
+    })
+}
+
+fn any_junction(part: impl Strategy<Value = Formula>) -> impl Strategy<Value = Formula> {
+    let parts = prop::collection::vec(part, 1..4);
+    (any::<bool>(), parts).prop_map(|(all, parts)| if all { Formula::And(parts) } else { Formula::Or(parts) })
+}
+
+/// Formulas of any shape, and such as have words inside words for sure.
+fn any_formula() -> impl Strategy<Value = Formula> {
+    let any_shape =
+        any_atom().prop_recursive(4, 12, 3, |inner| prop_oneof![any_junction(inner.clone()), any_word(inner)]);
+    let inner = any_junction(prop_oneof![any_atom(), any_word(prop_oneof![any_atom(), any_word(any_atom())])]);
+    prop_oneof![any_shape, any_word(any_word(inner))]
+}
+
+/// Small whole numbers, so that margins are often equal or zero.
+fn any_trace() -> impl Strategy<Value = Vec<[f64; 2]>> {
+    let value = || prop_oneof![20 => (-3..4_i32).prop_map(f64::from), 1 => Just(f64::NAN)];
+    prop::collection::vec((value(), value()).prop_map(|(a, b)| [a, b]), 1..12)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_claim_gets_the_verdict_margin_and_tick_of_its_definition(
+        formula in any_formula(), trace in any_trace(), complete: bool, more in 0..5_u64,
+    ) {
+        let ending = if complete { Ending::Complete } else { Ending::CutOff };
+        let (claims, early) = judge(&formula, &trace, trace.len() as u64 - 1 + more, ending);
+        let standing = claims.monitors[0].standing;
+        match defined(&formula, 0, &trace, ending) {
+            Some(value) => {
+                let verdict = if value.holds() { Verdict::Holds } else { Verdict::Fails };
+                prop_assert_eq!(standing, Standing { verdict, margin: value.told(), worst_tick: value.tick });
+            }
+            None => prop_assert_eq!(standing.verdict, Verdict::Unjudged),
+        }
+        if early.verdict != Verdict::Undecided {
+            prop_assert_eq!(early.verdict, standing.verdict, "a decided claim stays decided");
+        }
+        prop_assert_eq!(claims.lost().is_some(), early.verdict == Verdict::Fails);
+    }
+
+    #[test]
+    fn claims_go_on_from_what_they_remembered_as_if_they_had_never_stopped(
+        formula in any_formula(), trace in any_trace(), cut in 1..12_usize, complete: bool, more in 0..5_u64,
+    ) {
+        let ending = if complete { Ending::Complete } else { Ending::CutOff };
+        let stop_tick = trace.len() as u64 - 1 + more;
+        let (whole, _) = judge(&formula, &trace, stop_tick, ending);
+        let (before, behind) = trace.split_at(cut.min(trace.len()));
+        let mut saved = claims_of(&formula, stop_tick);
+        take(&mut saved, 0, before);
+        let bytes = postcard::to_stdvec(&saved.memory()).unwrap();
+        let samples = before.len() as u64;
+        let mut continued = claims_of(&formula, stop_tick);
+        prop_assert!(continued.remember(&postcard::from_bytes(&bytes).unwrap(), samples));
+        prop_assert_eq!(continued.monitors[0].standing, saved.monitors[0].standing);
+        prop_assert_eq!(&postcard::to_stdvec(&continued.memory()).unwrap(), &bytes);
+        take(&mut continued, samples, behind);
+        prop_assert_eq!(continued.lost(), whole.lost());
+        continued.end(Some(trace.len() as u64 - 1), ending, |_, _| {});
+        prop_assert_eq!(continued.monitors[0].standing, whole.monitors[0].standing);
+    }
+
+    #[test]
+    fn what_other_claims_remembered_is_refused_or_survived(
+        formula in any_formula(), other in any_formula(), trace in any_trace(), samples in 1..12_u64,
+    ) {
+        let mut saved = claims_of(&other, 40);
+        take(&mut saved, 0, &trace);
+        let mut claims = claims_of(&formula, 40);
+        if claims.remember(&saved.memory(), samples) {
+            take(&mut claims, samples, &trace);
+            claims.end(Some(samples + trace.len() as u64 - 1), Ending::Complete, |_, _| {});
+            prop_assert_ne!(claims.monitors[0].standing.verdict, Verdict::Undecided);
+        }
+    }
+
+    #[test]
+    fn what_was_decided_when_a_run_was_cut_off_holds_for_every_continuation(
+        formula in any_formula(), trace in any_trace(), rest in any_trace(),
+    ) {
+        let cut = judge(&formula, &trace, 40, Ending::CutOff).0.monitors[0].standing.verdict;
+        let whole: Vec<_> = trace.iter().chain(&rest).copied().collect();
+        let later = judge(&formula, &whole, 40, Ending::CutOff).0.monitors[0].standing.verdict;
+        if cut != Verdict::Unjudged {
+            prop_assert_eq!(cut, later);
+        }
+    }
+}
+
+fn standing_of(formula: &Formula, values: &[f64], ending: Ending) -> (Verdict, f64, u64) {
+    let trace: Vec<_> = values.iter().map(|&value| [value, 0.0]).collect();
+    let standing = judge(formula, &trace, 100, ending).0.monitors[0].standing;
+    (standing.verdict, standing.margin, standing.worst_tick)
+}
+
+#[test]
+fn always_tells_its_smallest_margin_and_when() {
+    let claim = always(0, None, above_zero(0, true));
+    assert_eq!(standing_of(&claim, &[3.0, 1.0, 2.0, 1.0], Ending::Complete), (Verdict::Holds, 1.0, 1));
+    assert_eq!(standing_of(&claim, &[3.0, 0.0, 2.0], Ending::Complete), (Verdict::Fails, 0.0, 1));
+    assert_eq!(standing_of(&claim, &[3.0, 1.0], Ending::CutOff), (Verdict::Unjudged, 1.0, 1));
+    assert_eq!(standing_of(&claim, &[3.0, -1.0], Ending::CutOff), (Verdict::Fails, -1.0, 1));
+}
+
+#[test]
+fn the_last_seconds_that_cannot_be_judged_are_not() {
+    let claim = always(0, None, eventually(0, Some(2), above_zero(0, true)));
+    let recovers = [1.0, -1.0, -1.0, 1.0, -1.0, -1.0];
+    assert_eq!(standing_of(&claim, &recovers, Ending::Complete), (Verdict::Holds, 1.0, 0));
+    assert_eq!(standing_of(&claim, &[1.0, -1.0, -1.0, -2.0], Ending::Complete), (Verdict::Fails, -1.0, 1));
+    assert_eq!(standing_of(&claim, &[1.0, -1.0], Ending::Complete).0, Verdict::Unjudged);
+}
+
+#[test]
+fn a_window_cut_short_is_judged_if_its_samples_decide_it() {
+    let reach = eventually(0, Some(9), above_zero(0, true));
+    assert_eq!(standing_of(&reach, &[-1.0, 2.0, 1.0], Ending::Complete), (Verdict::Holds, 2.0, 1));
+    assert_eq!(standing_of(&reach, &[-1.0, -2.0], Ending::Complete).0, Verdict::Unjudged);
+    let stay = always(0, Some(9), above_zero(0, true));
+    assert_eq!(standing_of(&stay, &[1.0, -2.0], Ending::Complete), (Verdict::Fails, -2.0, 1));
+    assert_eq!(standing_of(&stay, &[1.0, 2.0], Ending::Complete).0, Verdict::Unjudged);
+}
+
+#[test]
+fn an_unbounded_word_whose_range_is_empty_is_unjudged() {
+    let late = always(5, None, above_zero(0, true));
+    assert_eq!(standing_of(&late, &[1.0; 5], Ending::Complete).0, Verdict::Unjudged);
+    assert_eq!(standing_of(&late, &[1.0; 6], Ending::Complete), (Verdict::Holds, 1.0, 5));
+}
+
+#[test]
+fn not_a_number_fails_at_its_sample_only() {
+    let [always, eventually] = [always(0, None, above_zero(0, true)), eventually(0, None, above_zero(0, true))];
+    let values = [1.0, f64::NAN, 2.0];
+    assert_eq!(standing_of(&always, &values, Ending::Complete), (Verdict::Fails, f64::NEG_INFINITY, 1));
+    assert_eq!(standing_of(&eventually, &values, Ending::Complete), (Verdict::Holds, 2.0, 2));
+}
+
+#[test]
+fn a_run_too_long_for_memory_begins_all_the_same() {
+    let word_in_word = always(0, None, eventually(0, None, above_zero(0, true)));
+    let (claims, _) = judge(&word_in_word, &[[1.0, 0.0]], u64::MAX, Ending::Complete);
+    assert_eq!(claims.monitors.len(), 1);
+}
+
+#[test]
+fn a_run_without_a_sample_leaves_every_claim_unjudged() {
+    let (claims, _) = judge(&above_zero(0, true), &[], 10, Ending::CutOff);
+    assert_eq!(claims.monitors[0].standing.verdict, Verdict::Unjudged);
+}

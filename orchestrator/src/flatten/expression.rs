@@ -1,0 +1,178 @@
+//! Computed values: expressions of the script as flat programs for a small stack machine.
+//!
+//! Conditions run on the same stack, where true is 1 and false is 0. A program owns its stack, so evaluating it
+//! allocates nothing. Next on the walk: `wiring.rs`, which places the signals that programs read.
+
+mod compile;
+pub use compile::Place;
+#[cfg(test)]
+mod tests;
+
+use crate::flatten::values::Values;
+use dsl::scenario::{Curve, larger, smaller};
+
+/// What a program reads: one moment of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// The outputs of all instances.
+    pub outputs: &'a Values,
+    /// Seconds since the start.
+    pub time_s: f64,
+    /// For each slot of `Scenario::rises` whether its condition holds now and did not at the sample before.
+    pub rises: &'a [bool],
+}
+
+/// A compiled expression.
+#[derive(Clone, Debug)]
+pub struct Program {
+    operations: Box<[Operation]>,
+    stack: Box<[f64]>,
+}
+
+/// One operation; operands are the topmost values of the stack.
+#[derive(Clone, Debug, PartialEq)]
+enum Operation {
+    Push(f64),
+    Time,
+    Real(u32),
+    Integer(u32),
+    Boolean(u32),
+    Rises(u32),
+    Affine { factor: f64, offset: f64 },
+    InverseAffine { factor: f64, offset: f64 },
+    Unary(Unary),
+    Binary(Binary),
+    SameText(Box<(Text, Text)>),
+    Curve(Curve),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Unary {
+    Negate,
+    Abs,
+    Square,
+    Sqrt,
+    Exp,
+    Log,
+    Floor,
+    Sin,
+    Cos,
+    Tan,
+    Not,
+    Positive,
+    NotNegative,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Binary {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Min,
+    Max,
+    Atan2,
+    Equal,
+    And,
+    Or,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Text {
+    Slot(u32),
+    Constant(String),
+}
+
+impl Program {
+    /// The value at a moment.
+    pub fn real(&mut self, moment: &Moment<'_>) -> f64 {
+        let outputs = moment.outputs;
+        let mut depth = 0;
+        for operation in &self.operations {
+            let pushed = match *operation {
+                Operation::Push(value) => value,
+                Operation::Time => moment.time_s,
+                Operation::Real(index) => outputs.reals[index as usize],
+                Operation::Integer(index) => f64::from(outputs.integers[index as usize]),
+                Operation::Boolean(index) => truth(outputs.booleans[index as usize] != 0),
+                Operation::Rises(index) => truth(moment.rises[index as usize]),
+                Operation::Curve(ref curve) => curve.at(moment.time_s),
+                Operation::SameText(ref texts) => truth(texts.0.read(outputs) == texts.1.read(outputs)),
+                Operation::Affine { factor, offset } => {
+                    depth -= 1;
+                    factor * self.stack[depth] + offset
+                }
+                Operation::InverseAffine { factor, offset } => {
+                    depth -= 1;
+                    (self.stack[depth] - offset) / factor
+                }
+                Operation::Unary(function) => {
+                    depth -= 1;
+                    function.apply(self.stack[depth])
+                }
+                Operation::Binary(function) => {
+                    depth -= 2;
+                    function.apply(self.stack[depth], self.stack[depth + 1])
+                }
+            };
+            self.stack[depth] = pushed;
+            depth += 1;
+        }
+        self.stack[0]
+    }
+
+    /// Whether the condition holds at a moment.
+    pub fn holds(&mut self, moment: &Moment<'_>) -> bool {
+        self.real(moment) != 0.0
+    }
+}
+
+impl Unary {
+    fn apply(self, x: f64) -> f64 {
+        match self {
+            Self::Negate => -x,
+            Self::Abs => x.abs(),
+            Self::Square => x * x,
+            Self::Sqrt => x.sqrt(),
+            Self::Exp => libm::exp(x),
+            Self::Log => libm::log(x),
+            Self::Floor => x.floor(),
+            Self::Sin => libm::sin(x),
+            Self::Cos => libm::cos(x),
+            Self::Tan => libm::tan(x),
+            Self::Not => truth(x == 0.0),
+            Self::Positive => truth(x > 0.0),
+            Self::NotNegative => truth(x >= 0.0),
+        }
+    }
+}
+
+impl Binary {
+    fn apply(self, a: f64, b: f64) -> f64 {
+        match self {
+            Self::Add => a + b,
+            Self::Subtract => a - b,
+            Self::Multiply => a * b,
+            Self::Divide => a / b,
+            Self::Min => smaller(a, b),
+            Self::Max => larger(a, b),
+            Self::Atan2 => libm::atan2(a, b),
+            Self::Equal => truth(a == b),
+            Self::And => truth(a != 0.0 && b != 0.0),
+            Self::Or => truth(a != 0.0 || b != 0.0),
+        }
+    }
+}
+
+impl Text {
+    fn read<'a>(&'a self, outputs: &'a Values) -> &'a str {
+        match self {
+            Self::Slot(index) => &outputs.texts[*index as usize],
+            Self::Constant(text) => text,
+        }
+    }
+}
+
+fn truth(holds: bool) -> f64 {
+    f64::from(u8::from(holds))
+}

@@ -1,0 +1,213 @@
+//! Compiles expressions to programs and lists the signals that they read.
+
+use super::{Binary, Operation, Program, Text, Unary};
+use crate::flatten::values::Slot;
+use dsl::scenario::{BooleanExpression, Curve, Function, Margin, Operand, Port, RealExpression, Value};
+use fmi2::description::BaseType;
+
+/// Where the value of a port stands; asked for every signal of an expression.
+pub type Place<'a> = dyn FnMut(Port) -> Slot + 'a;
+
+impl Program {
+    /// Compiles a real expression.
+    pub fn compile_real(expression: &RealExpression, place: &mut Place<'_>) -> Self {
+        Self::compile(|compiler| compiler.real(expression), place)
+    }
+
+    /// Compiles a condition.
+    pub fn compile_condition(condition: &BooleanExpression, place: &mut Place<'_>) -> Self {
+        Self::compile(|compiler| compiler.condition(condition), place)
+    }
+
+    /// Compiles the reading of one number: a Real, Integer, Enumeration or Boolean.
+    pub fn compile_signal(port: Port, place: &mut Place<'_>) -> Self {
+        Self::compile(|compiler| compiler.signal(port), place)
+    }
+
+    /// The value of a curve over time.
+    #[must_use]
+    pub fn curve(curve: &Curve) -> Self {
+        Self { operations: [Operation::Curve(curve.clone())].into(), stack: [0.0].into() }
+    }
+
+    fn compile(write: impl FnOnce(&mut Compiler<'_, '_>), place: &mut Place<'_>) -> Self {
+        let mut compiler = Compiler { place, operations: Vec::new(), depth: 0, deepest: 0 };
+        write(&mut compiler);
+        assert_eq!(compiler.depth, 1, "an expression leaves one value on the stack");
+        Self { operations: compiler.operations.into(), stack: vec![0.0; compiler.deepest].into() }
+    }
+}
+
+struct Compiler<'a, 'p> {
+    place: &'a mut Place<'p>,
+    operations: Vec<Operation>,
+    depth: usize,
+    deepest: usize,
+}
+
+impl Compiler<'_, '_> {
+    fn push(&mut self, operation: Operation) {
+        self.operations.push(operation);
+        self.depth += 1;
+        self.deepest = self.deepest.max(self.depth);
+    }
+
+    fn unary(&mut self, function: Unary) {
+        self.operations.push(Operation::Unary(function));
+    }
+
+    fn binary(&mut self, function: Binary) {
+        self.operations.push(Operation::Binary(function));
+        self.depth -= 1;
+    }
+
+    fn signal(&mut self, port: Port) {
+        let slot = (self.place)(port);
+        let index = index(slot);
+        self.push(match slot.base {
+            BaseType::Real => Operation::Real(index),
+            BaseType::Integer => Operation::Integer(index),
+            BaseType::Boolean => Operation::Boolean(index),
+            BaseType::String => unreachable!("a text was resolved where a number is needed"),
+        });
+    }
+
+    fn real(&mut self, expression: &RealExpression) {
+        use RealExpression as E;
+        match expression {
+            E::Constant(value) => self.push(Operation::Push(*value)),
+            E::Signal(port) => self.signal(*port),
+            E::Time => self.push(Operation::Time),
+            E::Affine { of, factor, offset } => {
+                self.real(of);
+                self.operations.push(Operation::Affine { factor: *factor, offset: *offset });
+            }
+            E::InverseAffine { of, factor, offset } => {
+                self.real(of);
+                self.operations.push(Operation::InverseAffine { factor: *factor, offset: *offset });
+            }
+            E::Negate(of) => {
+                self.real(of);
+                self.unary(Unary::Negate);
+            }
+            E::Add(a, b) => self.pair(a, b, Binary::Add),
+            E::Subtract(a, b) => self.pair(a, b, Binary::Subtract),
+            E::Multiply(a, b) => self.pair(a, b, Binary::Multiply),
+            E::Divide(a, b) => self.pair(a, b, Binary::Divide),
+            E::Call(function, arguments) => self.call(*function, arguments),
+        }
+    }
+
+    fn pair(&mut self, a: &RealExpression, b: &RealExpression, function: Binary) {
+        self.real(a);
+        self.real(b);
+        self.binary(function);
+    }
+
+    fn call(&mut self, function: Function, arguments: &[RealExpression]) {
+        match function {
+            Function::Min => self.fold(arguments, None, Binary::Min),
+            Function::Max => self.fold(arguments, None, Binary::Max),
+            Function::Sum => self.fold(arguments, None, Binary::Add),
+            Function::Atan2 => self.fold(arguments, None, Binary::Atan2),
+            Function::Mean => {
+                self.fold(arguments, None, Binary::Add);
+                #[expect(clippy::cast_precision_loss, reason = "nobody writes 2^53 arguments")]
+                self.push(Operation::Push(arguments.len() as f64));
+                self.binary(Binary::Divide);
+            }
+            Function::Norm => {
+                self.fold(arguments, Some(Unary::Square), Binary::Add);
+                self.unary(Unary::Sqrt);
+            }
+            Function::Abs => self.fold(arguments, Some(Unary::Abs), Binary::Add),
+            Function::Sqrt => self.fold(arguments, Some(Unary::Sqrt), Binary::Add),
+            Function::Exp => self.fold(arguments, Some(Unary::Exp), Binary::Add),
+            Function::Log => self.fold(arguments, Some(Unary::Log), Binary::Add),
+            Function::Floor => self.fold(arguments, Some(Unary::Floor), Binary::Add),
+            Function::Sin => self.fold(arguments, Some(Unary::Sin), Binary::Add),
+            Function::Cos => self.fold(arguments, Some(Unary::Cos), Binary::Add),
+            Function::Tan => self.fold(arguments, Some(Unary::Tan), Binary::Add),
+        }
+    }
+
+    /// Joins the arguments from left to right, each one first passed through `each`.
+    fn fold(&mut self, arguments: &[RealExpression], each: Option<Unary>, join: Binary) {
+        assert!(!arguments.is_empty(), "a function was resolved without arguments");
+        for (position, argument) in arguments.iter().enumerate() {
+            self.real(argument);
+            if let Some(function) = each {
+                self.unary(function);
+            }
+            if position > 0 {
+                self.binary(join);
+            }
+        }
+    }
+
+    fn condition(&mut self, condition: &BooleanExpression) {
+        use BooleanExpression as B;
+        match condition {
+            B::Constant(holds) => self.push(Operation::Push(super::truth(*holds))),
+            B::Signal(port) => self.signal(*port),
+            B::Margin(Margin { value, strict }) => {
+                self.real(value);
+                self.unary(if *strict { Unary::Positive } else { Unary::NotNegative });
+            }
+            B::Same(a, b) => self.same(a, b),
+            B::Rises(slot) => self.push(Operation::Rises(u32::try_from(*slot).unwrap_or(u32::MAX))),
+            B::Not(of) => {
+                self.condition(of);
+                self.unary(Unary::Not);
+            }
+            B::And(all) => self.join(all, true, Binary::And),
+            B::Or(any) => self.join(any, false, Binary::Or),
+        }
+    }
+
+    fn join(&mut self, conditions: &[BooleanExpression], of_none: bool, join: Binary) {
+        if conditions.is_empty() {
+            self.push(Operation::Push(super::truth(of_none)));
+        }
+        for (position, condition) in conditions.iter().enumerate() {
+            self.condition(condition);
+            if position > 0 {
+                self.binary(join);
+            }
+        }
+    }
+
+    fn same(&mut self, a: &Operand, b: &Operand) {
+        if let (Some(a), Some(b)) = (self.text(a), self.text(b)) {
+            return self.push(Operation::SameText(Box::new((a, b))));
+        }
+        self.number(a);
+        self.number(b);
+        self.binary(Binary::Equal);
+    }
+
+    fn text(&mut self, operand: &Operand) -> Option<Text> {
+        match operand {
+            Operand::Constant(Value::String(text) | Value::File(text)) => Some(Text::Constant(text.clone())),
+            Operand::Constant(_) => None,
+            Operand::Signal(port) => {
+                let slot = (self.place)(*port);
+                (slot.base == BaseType::String).then(|| Text::Slot(index(slot)))
+            }
+        }
+    }
+
+    fn number(&mut self, operand: &Operand) {
+        match operand {
+            Operand::Signal(port) => self.signal(*port),
+            Operand::Constant(Value::Real(value)) => self.push(Operation::Push(*value)),
+            Operand::Constant(Value::Integer(value)) => self.push(Operation::Push(f64::from(*value))),
+            Operand::Constant(Value::Boolean(value)) => self.push(Operation::Push(super::truth(*value))),
+            Operand::Constant(value) => unreachable!("{value:?} was resolved to be compared with a number"),
+        }
+    }
+}
+
+fn index(slot: Slot) -> u32 {
+    u32::try_from(slot.index).unwrap_or_else(|_| unreachable!("a run with 2^32 values of one type"))
+}

@@ -1,0 +1,71 @@
+//! What a row of the trace is made of: for each column the place of its value.
+
+use super::slot_table::Places;
+use crate::flatten::values::{Slot, Values};
+use dsl::scenario::Column;
+use fmi2::description::BaseType;
+
+/// The columns by where their values come from.
+#[derive(Debug, Default)]
+pub struct RowPlan {
+    outputs: Columns,
+    inputs: Columns,
+    columns: usize,
+}
+
+#[derive(Debug, Default)]
+struct Columns {
+    /// Index of the value, index of the column.
+    reals: Vec<(usize, usize)>,
+    integers: Vec<(usize, usize)>,
+    booleans: Vec<(usize, usize)>,
+}
+
+impl RowPlan {
+    pub(super) fn new(columns: &[Column], places: &Places) -> Self {
+        let mut plan = Self { columns: columns.len(), ..Self::default() };
+        for (column, recorded) in columns.iter().enumerate() {
+            match places.input(recorded.port) {
+                Some(slot) => plan.inputs.add(slot, column),
+                None => plan.outputs.add(places.read(recorded.port), column),
+            }
+        }
+        plan
+    }
+
+    /// An empty row.
+    #[must_use]
+    pub fn row(&self) -> Vec<u64> {
+        vec![0; self.columns]
+    }
+
+    /// Fills a row: the bits of Reals, Integers widened with their sign, Booleans 0 or 1.
+    pub fn fill(&self, outputs: &Values, inputs: &Values, row: &mut [u64]) {
+        self.outputs.fill(outputs, row);
+        self.inputs.fill(inputs, row);
+    }
+}
+
+impl Columns {
+    fn add(&mut self, slot: Slot, column: usize) {
+        let columns = match slot.base {
+            BaseType::Real => &mut self.reals,
+            BaseType::Integer => &mut self.integers,
+            BaseType::Boolean => &mut self.booleans,
+            BaseType::String => unreachable!("the resolver admits no column of strings"),
+        };
+        columns.push((slot.index, column));
+    }
+
+    fn fill(&self, values: &Values, row: &mut [u64]) {
+        for &(index, column) in &self.reals {
+            row[column] = values.reals[index].to_bits();
+        }
+        for &(index, column) in &self.integers {
+            row[column] = i64::from(values.integers[index]).cast_unsigned();
+        }
+        for &(index, column) in &self.booleans {
+            row[column] = u64::from(values.booleans[index] != 0);
+        }
+    }
+}

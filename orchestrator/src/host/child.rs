@@ -1,0 +1,41 @@
+//! The stepping process: takes its plan from standard input, flies it, and tells its parent by the board.
+//!
+//! Standard input stays open as long as the parent lives; when it closes, so does this process.
+
+use crate::host::orphan::end_when_orphaned;
+use crate::run::run_spec::Plan;
+use crate::run::stepping::fly;
+use std::io::{self, Read};
+use std::sync::Arc;
+use unit::board::Board;
+
+/// A plan larger than this is none; checkpoints of many units may be large.
+const LONGEST_PLAN: u64 = 1 << 36;
+
+/// Flies the plan that stands on standard input. What comes of it stands on the board, also where the run breaks.
+///
+/// # Errors
+/// There is no plan, or the board that it names cannot be opened: then there is nobody to tell.
+pub fn run() -> io::Result<()> {
+    let plan = read_plan(&mut io::stdin().lock())?;
+    let board = Arc::new(Board::open(&plan.board)?);
+    end_when_orphaned(plan.board.parent());
+    fly(&plan, &board);
+    Ok(())
+}
+
+/// Reads a plan: its length as 8 bytes, the lowest first, then the plan itself.
+///
+/// # Errors
+/// The input ends early or holds no plan.
+pub fn read_plan(input: &mut impl Read) -> io::Result<Plan> {
+    let mut length = [0; 8];
+    input.read_exact(&mut length)?;
+    let length = u64::from_le_bytes(length);
+    let mut bytes = Vec::new();
+    if length > LONGEST_PLAN || input.take(length).read_to_end(&mut bytes)? as u64 != length {
+        return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the plan on standard input is cut short"));
+    }
+    postcard::from_bytes(&bytes)
+        .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, format!("no plan on standard input: {error}")))
+}

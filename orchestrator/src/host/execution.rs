@@ -1,0 +1,240 @@
+//! Carries out a run that is prepared: looks after it and leaves its files.
+
+use crate::flatten::claims;
+use crate::flatten::columns;
+use crate::host::supervise::{Audience, Ended, Orders, Placement, SuperviseError, supervise};
+use crate::run::message::Reason;
+use crate::run::prepared_run::PreparedRun;
+use crate::run::run_spec::Plan;
+use dsl::scenario::Scenario;
+use results::checkpoint::Saving;
+use results::recorder::Recorder;
+use results::report;
+use results::report::console::{Console, Style};
+use results::report::table::Heading;
+use results::run_folder::{RunFolder, VERDICT_JSON};
+use results::run_record::{Broken, RunRecord, RunState};
+use results::verdict::{JudgedClaim, VerdictFile};
+use results::{TraceError, signals};
+use std::time::Duration;
+use unit::time::seconds;
+
+/// How a run is looked after.
+#[derive(Clone, Copy, Debug)]
+pub struct Manner {
+    /// How progress is told.
+    pub style: Style,
+    /// How long a call of a unit may take; zero waits for ever.
+    pub step_timeout: Duration,
+    /// Where the instances live.
+    pub placement: Placement,
+}
+
+/// A run that is prepared, with what shows it while it goes on.
+#[derive(Debug)]
+pub struct ReadyRun {
+    /// The run.
+    pub run: PreparedRun,
+    /// What sees rows, progress and end besides the recorder.
+    pub observer: Option<Box<dyn Audience>>,
+}
+
+impl From<PreparedRun> for ReadyRun {
+    fn from(run: PreparedRun) -> Self {
+        Self { run, observer: None }
+    }
+}
+
+/// A run that is over.
+#[derive(Debug)]
+pub struct Outcome {
+    /// How it ended.
+    pub ended: Ended,
+    /// How its claims came out.
+    pub verdict: VerdictFile,
+    /// Where its files are.
+    pub folder: RunFolder,
+    /// The script as the user named it.
+    pub script: String,
+    /// The simulated seconds at which it began.
+    pub from_s: f64,
+    /// The simulated seconds that the script asks for.
+    pub stop_s: f64,
+}
+
+impl Outcome {
+    /// The first line of the report.
+    #[must_use]
+    pub fn heading(&self) -> Heading<'_> {
+        let (state, wall_s) = (run_state(&self.ended), self.ended.wall.as_secs_f64());
+        Heading { script: &self.script, state, from_s: self.from_s, stop_s: self.stop_s, wall_s }
+    }
+}
+
+/// Runs to the end. What broke, if something did, is told; `run.json` says it too, whatever else could not be written.
+///
+/// # Errors
+/// If the run could not be looked after, or its files not be written.
+pub fn carry_out(ready: ReadyRun, manner: Manner) -> Result<Outcome, SuperviseError> {
+    let ReadyRun { run, observer: mut audience } = ready;
+    let PreparedRun { plan, saving, mut record, mut folder, home: _home, script } = run;
+    let ended = look_after(&plan, &saving, &folder, audience.as_deref_mut(), manner);
+    if let Some(audience) = audience {
+        audience.end(ended.as_ref().map_or(RunState::Broken, run_state));
+    }
+    let ended = ended.inspect_err(|error| note_break(&mut folder, &mut record, error))?;
+    if let Some(failure) = &ended.failure {
+        report::error(failure, failure.help().as_deref());
+    }
+    let file_name = script.rsplit('/').next().unwrap_or(&script);
+    let end = end_text(&ended, &plan.scenario);
+    let verdict = verdict(&plan.scenario, &record, file_name, end, &ended);
+    record.end(run_state(&ended), verdict.time_s, ended.wall);
+    record.broken = ended.failure.as_ref().map(Broken::from);
+    leave(&mut folder, &mut record, &verdict).map_err(SuperviseError::Trace)?;
+    let stop_s = seconds(plan.scenario.stop_tick, plan.scenario.step_ns);
+    Ok(Outcome { ended, verdict, folder, script, from_s: plan.from_s(), stop_s })
+}
+
+fn look_after(
+    plan: &Plan,
+    saving: &Saving,
+    folder: &RunFolder,
+    audience: Option<&mut (dyn Audience + 'static)>,
+    manner: Manner,
+) -> Result<Ended, SuperviseError> {
+    let program = std::env::current_exe();
+    let program = program.map_err(|error| SuperviseError::Start { doing: "find this program", error })?;
+    let recorder = begin_files(folder, plan).map_err(SuperviseError::Trace)?;
+    let step_timeout = (!manner.step_timeout.is_zero()).then_some(manner.step_timeout);
+    let orders = Orders { plan, saving, program, step_timeout, placement: manner.placement };
+    supervise(&orders, recorder, audience, &mut Console::stderr(manner.style))
+}
+
+/// Notes, and tells as far as the caller will not, what broke a run that left no results.
+fn note_break(folder: &mut RunFolder, record: &mut RunRecord, error: &SuperviseError) {
+    record.broken = Some(match error {
+        SuperviseError::Broken { failure, .. } => {
+            report::error(failure, failure.help().as_deref());
+            Broken::from(&**failure)
+        }
+        SuperviseError::Start { .. } | SuperviseError::Trace(_) => Broken::outside_of_calls(error),
+    });
+    record.state = RunState::Broken;
+    // The error itself says more than one about the record.
+    let _ = folder.note(record);
+}
+
+/// Writes what there is to say about a run that is over; one whose verdict cannot be written is broken.
+fn leave(folder: &mut RunFolder, record: &mut RunRecord, verdict: &VerdictFile) -> Result<(), TraceError> {
+    let written = folder.write(VERDICT_JSON, &verdict.json());
+    if let Err(error) = &written {
+        record.state = RunState::Broken;
+        record.broken.get_or_insert_with(|| Broken::outside_of_calls(error));
+    }
+    let noted = folder.note(record);
+    written.and(noted)
+}
+
+/// The files that grow with the run: rows unless `--record none`, and calls that are to be logged.
+fn begin_files(folder: &RunFolder, plan: &Plan) -> Result<Recorder, TraceError> {
+    let mut recorder = Recorder::default();
+    if plan.record {
+        let columns = columns::of(&plan.scenario, |instance| &plan.units[plan.unit_of[instance]].description);
+        let signals: Vec<_> = std::iter::once(signals::time()).chain(columns).collect();
+        recorder.begin_rows(folder, plan.scenario.step_ns, &signals)?;
+    }
+    for &instance in &plan.log_calls {
+        recorder.begin_calls(folder, instance, &plan.scenario.instances[instance].name)?;
+    }
+    Ok(recorder)
+}
+
+/// What the script claims, put together with how it came out.
+fn verdict(scenario: &Scenario, record: &RunRecord, script: &str, end: String, ended: &Ended) -> VerdictFile {
+    let claims = scenario.claims.iter().zip(&ended.standings);
+    VerdictFile {
+        scenario: scenario.title.clone(),
+        script: script.to_owned(),
+        parameters: record.parameters.clone(),
+        time_s: seconds(ended.last_tick, scenario.step_ns),
+        end,
+        claims: claims
+            .map(|(claim, standing)| JudgedClaim::new(&claims::info(claim), standing, scenario.step_ns))
+            .collect(),
+    }
+}
+
+fn run_state(ended: &Ended) -> RunState {
+    match (ended.interrupted, &ended.failure) {
+        (true, _) => RunState::Interrupted,
+        (false, Some(_)) => RunState::Broken,
+        (false, None) => RunState::Finished,
+    }
+}
+
+fn end_text(ended: &Ended, scenario: &Scenario) -> String {
+    match (&ended.failure, &ended.finish) {
+        (Some(failure), _) => format!("broken: {failure}"),
+        (None, Some(finish)) => finish.reason.text(scenario),
+        (None, None) => Reason::Interrupted.text(scenario),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::example::record;
+    use std::path::Path;
+    use unit::failure::{Cause, Doing, Failure};
+
+    fn failure() -> Failure {
+        Failure { instance: Some("quad".to_owned()), doing: Doing::Load, time_s: Some(12.34), cause: Cause::Signal(11) }
+    }
+
+    fn refusal() -> TraceError {
+        TraceError::io("write", Path::new("trace.csv.partial"))(std::io::ErrorKind::StorageFull.into())
+    }
+
+    fn noted(folder: &RunFolder) -> (String, String) {
+        let text = std::fs::read_to_string(folder.path().join("run.json")).unwrap();
+        let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let text_of = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
+        (text_of(&value["state"]), text_of(&value["broken"]["message"]))
+    }
+
+    #[test]
+    fn a_verdict_that_cannot_be_written_breaks_the_run_but_hides_no_earlier_break() {
+        for (state, earlier) in [(RunState::Finished, None), (RunState::Broken, Some(failure()))] {
+            let home = tempfile::tempdir().unwrap();
+            let mut record = record();
+            let mut folder = RunFolder::claim(home.path(), &record).unwrap();
+            std::fs::create_dir(home.path().join("verdict.json.partial")).unwrap();
+            record.end(state, 1.0, Duration::from_secs(1));
+            record.broken = earlier.as_ref().map(Broken::from);
+            let verdict = VerdictFile {
+                scenario: "A unit goes up".to_owned(),
+                script: "a.scn".to_owned(),
+                parameters: Vec::new(),
+                time_s: 0.1,
+                end: "the end".to_owned(),
+                claims: Vec::new(),
+            };
+            let error = leave(&mut folder, &mut record, &verdict).unwrap_err();
+            let message = earlier.map_or(error.to_string(), |failure| failure.to_string());
+            assert_eq!(noted(&folder), ("broken".to_owned(), message));
+        }
+    }
+
+    #[test]
+    fn a_trace_that_cannot_be_written_breaks_the_run_but_hides_no_earlier_break() {
+        for earlier in [None, Some(failure())] {
+            let home = tempfile::tempdir().unwrap();
+            let mut record = record();
+            let mut folder = RunFolder::claim(home.path(), &record).unwrap();
+            note_break(&mut folder, &mut record, &SuperviseError::unwritten(earlier.clone(), refusal()));
+            let message = earlier.map_or(refusal().to_string(), |failure| failure.to_string());
+            assert_eq!(noted(&folder), ("broken".to_owned(), message));
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! The processes of a run on this machine: the parent that supervises it and writes its files, and the child that steps.
+
+pub mod child;
+pub mod execution;
+pub mod orphan;
+pub mod supervise;
+pub mod watchdog;

@@ -1,0 +1,355 @@
+//! Looks after a run: starts whatever steps it, carries what that tells to files and people, and says how it ended.
+//!
+//! Whatever a unit does to the stepping process, the rows up to there and the call in which it happened are here. Where
+//! each instance has a process of its own the loop runs in a thread of this one, and all else is the same.
+
+mod live_observer;
+mod log_order;
+mod post_mortem;
+mod stepping_process;
+mod terms;
+#[cfg(test)]
+mod tests;
+
+use crate::flatten::claims::info;
+use crate::host::watchdog::Watchdog;
+use crate::run::message::{Finish, Message, Reason};
+use crate::run::run_spec::Plan;
+pub use live_observer::Audience;
+use log_order::Words;
+pub use post_mortem::{cause_of_death, failure};
+use results::TraceError;
+use results::checkpoint::Saving;
+use results::recorder::Recorder;
+use results::report::console::Console;
+use results::report::progress::Progress;
+use results::shortest_decimal;
+use results::verdict::{JudgedClaim, Standing, Verdict};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use std::io::{self, Write};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use std::{fs, thread};
+pub use stepping_process::SUBCOMMAND;
+use stepping_process::SteppingProcess;
+pub use terms::{Ended, Orders, Placement, StartWorkers, Stepping, SuperviseError};
+use unit::board::{Board, BoardLayout, ClaimNote, InCall};
+use unit::failure::{Cause, Failure};
+use unit::time::seconds;
+
+/// How long the parent sleeps when nothing came, and when something did.
+const IDLE: Duration = Duration::from_millis(5);
+const BUSY: Duration = Duration::from_millis(1);
+/// Recorded rows reach the disk at least this often.
+const SAVE_EVERY: Duration = Duration::from_millis(500);
+/// How long a stepping process may take to go after it said that it is done.
+const FAREWELL: Duration = Duration::from_secs(2);
+
+fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError {
+    move |error| SuperviseError::Start { doing, error }
+}
+
+/// Runs a plan to its end. Rows and calls go to the recorder, whose files are whole when this returns; rows also to the
+/// audience, which is not told that the run is over.
+///
+/// # Errors
+/// If what steps cannot be started or the trace not be written; no process of the run is left then either.
+pub fn supervise<W: Write>(
+    orders: &Orders,
+    recorder: Recorder,
+    mut audience: Option<&mut (dyn Audience + 'static)>,
+    console: &mut Console<W>,
+) -> Result<Ended, SuperviseError> {
+    let plan = orders.plan;
+    let columns = if plan.hands_over_rows() { plan.scenario.columns.len() } else { 0 };
+    let layout = BoardLayout { notes: 1, columns, claims: plan.scenario.claims.len() };
+    let signals = Signals::new([SIGINT, SIGTERM]).map_err(start_error("listen for Ctrl-C"))?;
+    match orders.placement {
+        Placement::Together => {
+            let board = Board::create(&plan.board, &layout).map_err(start_error("make the board of the run"))?;
+            let board = Arc::new(board);
+            if let Some(audience) = &mut audience {
+                audience.begin(&board);
+            }
+            let process =
+                SteppingProcess::start(&orders.program, plan).map_err(start_error("start the stepping process"))?;
+            look_after(Box::new(process), signals, Supervision::new(orders, &board, recorder, audience, console))
+        }
+        Placement::Isolated(start_workers) => {
+            let board = Board::private(&layout).map_err(start_error("make the board of the run"))?;
+            let board = Arc::new(board);
+            if let Some(audience) = &mut audience {
+                audience.begin(&board);
+            }
+            let loop_here = start_workers(orders, &board).map_err(start_error("start the workers"))?;
+            look_after(loop_here, signals, Supervision::new(orders, &board, recorder, audience, console))
+        }
+    }
+}
+
+fn look_after<W: Write>(
+    mut stepping: Box<dyn Stepping>,
+    mut signals: Signals,
+    mut run: Supervision<'_, W>,
+) -> Result<Ended, SuperviseError> {
+    loop {
+        // Asked before the rings are emptied: what was said before it ended is in them.
+        let over = stepping.ended().map_err(start_error("look after what steps the run"))?;
+        let began = Instant::now();
+        let drained = run.drain();
+        if let Some(cause) = over {
+            return run.conclude(cause, drained.err());
+        }
+        let busy = drained.map_err(|error| run.give_up(error))?;
+        for _ in signals.pending() {
+            run.interrupt(&mut *stepping);
+        }
+        run.watch(&mut *stepping);
+        run.tell_progress();
+        if !busy {
+            thread::sleep(IDLE);
+        } else if began.elapsed() < BUSY {
+            // Otherwise more has come meanwhile, and the stepping process may be waiting for room.
+            thread::sleep(BUSY);
+        }
+    }
+}
+
+/// A run that goes on.
+struct Supervision<'a, W: Write> {
+    plan: &'a Plan,
+    saving: &'a Saving,
+    /// The checkpoints that are written, by tick.
+    kept: Vec<u64>,
+    board: &'a Board,
+    console: &'a mut Console<W>,
+    recorder: Recorder,
+    audience: Option<&'a mut (dyn Audience + 'static)>,
+    saved: Instant,
+    began: Instant,
+    polled: Instant,
+    words: Words,
+    calls: Option<Watchdog<InCall>>,
+    farewell: Watchdog<()>,
+    last_row: Option<u64>,
+    finish: Option<Finish>,
+    failure: Option<Failure>,
+    interrupts: usize,
+}
+
+impl<'a, W: Write> Supervision<'a, W> {
+    fn new(
+        orders: &Orders<'a>,
+        board: &'a Board,
+        recorder: Recorder,
+        audience: Option<&'a mut (dyn Audience + 'static)>,
+        console: &'a mut Console<W>,
+    ) -> Self {
+        let now = Instant::now();
+        Self {
+            plan: orders.plan,
+            saving: orders.saving,
+            kept: Vec::new(),
+            board,
+            console,
+            recorder,
+            audience,
+            saved: now,
+            began: now,
+            polled: now,
+            words: Words::default(),
+            // Where each instance has a process of its own, whoever awaits its answer has a watch.
+            calls: orders.step_timeout.filter(|_| matches!(orders.placement, Placement::Together)).map(Watchdog::new),
+            farewell: Watchdog::new(FAREWELL),
+            last_row: None,
+            finish: None,
+            failure: None,
+            interrupts: 0,
+        }
+    }
+
+    /// Takes everything out of the rings; says whether there was something.
+    fn drain(&mut self) -> Result<bool, TraceError> {
+        // Asked before the rings are emptied: all that counts before this tick was said before it was reached.
+        let reached = self.board.tick();
+        let (recorder, audience, last_row) = (&mut self.recorder, &mut self.audience, &mut self.last_row);
+        let mut refused = None;
+        let rows = self.board.pop_rows(|tick, slots| {
+            *last_row = Some(tick);
+            if refused.is_none() {
+                refused = recorder.record(tick, slots).err();
+            }
+            if let Some(audience) = audience {
+                audience.row(tick, slots);
+            }
+        });
+        let mut messages = Vec::new();
+        self.board.pop_messages(|bytes| messages.push(postcard::from_bytes::<Message>(bytes)));
+        let busy = rows + messages.len() > 0;
+        for message in messages {
+            match message {
+                Ok(message) => refused = refused.or(self.hear(message).err()),
+                Err(error) => self.console.say(&format!("warning: a message of a unit could not be read: {error}")),
+            }
+        }
+        for said in self.words.before(reached) {
+            self.console.say(&post_mortem::log_line(&said, &self.plan.scenario));
+        }
+        if self.words.are_many() {
+            self.tell_all_words();
+        }
+        if refused.is_none() && self.saved.elapsed() >= SAVE_EVERY {
+            self.saved = Instant::now();
+            refused = self.recorder.save().err();
+        }
+        refused.map_or(Ok(busy), Err)
+    }
+
+    fn hear(&mut self, message: Message) -> Result<(), TraceError> {
+        match message {
+            Message::Log(said) => self.words.hear(said),
+            Message::Saved(tick) => return self.keep(tick),
+            Message::Calls(piece) => return self.recorder.add_call(piece.instance, &piece.bytes),
+            Message::Finished(finish) => self.finish = Some(finish),
+            // What breaks when the user ends everything is no news.
+            Message::Broken(_) if self.interrupts > 1 => {}
+            Message::Broken(failure) => self.failure = Some(failure),
+        }
+        Ok(())
+    }
+
+    /// Writes the checkpoints of a tick.
+    fn keep(&mut self, tick: u64) -> Result<(), TraceError> {
+        let Some(save) = self.plan.saves.iter().find(|save| save.tick == tick) else { return Ok(()) };
+        let checkpoint = fs::read(&save.file).map_err(TraceError::io("read", &save.file))?;
+        for file in self.saving.files_at(tick) {
+            self.saving.write(file, &checkpoint)?;
+            let time = shortest_decimal(seconds(tick, self.plan.scenario.step_ns));
+            self.console.say(&format!("saved {} at {time} s", file.display()));
+        }
+        self.kept.push(tick);
+        fs::remove_file(&save.file).map_err(TraceError::io("remove", &save.file))
+    }
+
+    /// A file cannot be written, so the run ends; rows that wait to be written to others are, as far as that can be.
+    fn give_up(&mut self, error: TraceError) -> SuperviseError {
+        self.recorder.save().ok();
+        SuperviseError::unwritten(self.failure.take(), error)
+    }
+
+    /// Tells which checkpoints the run did not come to.
+    fn tell_unsaved(&mut self, last_tick: u64) {
+        let time = |tick| shortest_decimal(seconds(tick, self.plan.scenario.step_ns));
+        for (tick, file) in self.saving.files.iter().filter(|(tick, _)| !self.kept.contains(tick)) {
+            let ended = if self.failure.is_some() { "broke" } else { "ended" };
+            let why = if last_tick > *tick {
+                format!("a step that was under way at {} s failed", time(*tick))
+            } else {
+                format!("the run {ended} at {} s and was to be saved at {} s", time(last_tick), time(*tick))
+            };
+            self.console.say(&format!("warning: {} was not saved: {why}", file.display()));
+        }
+    }
+
+    fn tell_all_words(&mut self) {
+        for said in self.words.all() {
+            self.console.say(&post_mortem::log_line(&said, &self.plan.scenario));
+        }
+    }
+
+    /// The first time asks the loop to end, the second time ends it.
+    fn interrupt(&mut self, stepping: &mut dyn Stepping) {
+        self.interrupts += 1;
+        if self.interrupts == 1 {
+            self.board.request_stop();
+            self.console.say("ending after this step; once more ends at once");
+        } else {
+            stepping.kill();
+        }
+    }
+
+    /// Ends a process that has been in one call for too long, or that does not go after its last word.
+    fn watch(&mut self, stepping: &mut dyn Stepping) {
+        let since = self.polled.elapsed();
+        self.polled = Instant::now();
+        if self.finish.is_some() || self.failure.is_some() {
+            if self.farewell.bites(since, Some(())) {
+                stepping.kill();
+            }
+            return;
+        }
+        let Some(calls) = &mut self.calls else { return };
+        let call = self.board.note(0).read();
+        if calls.bites(since, call) {
+            let limit_s = calls.limit().as_secs_f64();
+            self.failure = Some(failure(call, self.board.tick(), &self.plan.scenario, Cause::Hung(limit_s)));
+            stepping.kill();
+        }
+    }
+
+    fn tell_progress(&mut self) {
+        let scenario = &self.plan.scenario;
+        let (tick, board, wall_s) = (self.board.tick(), self.board, self.began.elapsed().as_secs_f64());
+        let part = tick as f64 / scenario.stop_tick.max(1) as f64;
+        let from_s = self.plan.from_s();
+        self.console.progress(part, || Progress {
+            time_s: seconds(tick, scenario.step_ns),
+            stop_s: seconds(scenario.stop_tick, scenario.step_ns),
+            from_s,
+            wall_s,
+            claims: standing_claims(board, self.plan),
+        });
+    }
+
+    /// What stepped is gone and the rings are empty; `refused` is why their last rows could not be written.
+    fn conclude(mut self, cause: Cause, refused: Option<TraceError>) -> Result<Ended, SuperviseError> {
+        self.tell_all_words();
+        self.console.clear();
+        let killed_by_user = self.interrupts > 1;
+        if self.finish.is_none() && self.failure.is_none() && !killed_by_user {
+            let call = self.board.note(0).read();
+            self.failure = Some(failure(call, self.board.tick(), &self.plan.scenario, cause));
+        }
+        if let Some(error) = refused.or_else(|| std::mem::take(&mut self.recorder).finish().err()) {
+            return Err(SuperviseError::unwritten(self.failure, error));
+        }
+        let ended_by_loop = self.finish.as_ref().map(|finish| finish.reason == Reason::Interrupted);
+        let last_tick = match (&self.finish, self.last_row) {
+            (Some(finish), _) => finish.last_tick,
+            (None, Some(last_row)) => last_row,
+            (None, None) => self.board.tick(),
+        };
+        self.tell_unsaved(last_tick);
+        Ok(Ended {
+            last_tick,
+            interrupted: ended_by_loop.unwrap_or(self.interrupts > 0),
+            standings: standings(self.board, self.plan.scenario.claims.len()),
+            wall: self.began.elapsed(),
+            finish: self.finish,
+            failure: self.failure,
+        })
+    }
+}
+
+/// The claims that say something already, for the progress line. One that is open shows the margin so far.
+fn standing_claims(board: &Board, plan: &Plan) -> Vec<JudgedClaim> {
+    let claims = plan.scenario.claims.iter().enumerate();
+    let shown = claims.filter_map(|(i, claim)| {
+        let standing = standing(&board.claim(i)?);
+        let verdict = if standing.verdict == Verdict::Fails { Verdict::Fails } else { Verdict::Holds };
+        Some(JudgedClaim::new(&info(claim), &Standing { verdict, ..standing }, plan.scenario.step_ns))
+    });
+    shown.collect()
+}
+
+/// How the first so many claims stand.
+pub(crate) fn standings(board: &Board, claims: usize) -> Vec<Standing> {
+    (0..claims).map(|i| board.claim(i).map_or(Standing::UNKNOWN, |note| standing(&note))).collect()
+}
+
+/// A claim's note; a number that is no verdict decides nothing.
+fn standing(note: &ClaimNote) -> Standing {
+    let verdict = Verdict::from_number(note.verdict).unwrap_or(Verdict::Undecided);
+    Standing { verdict, margin: note.margin, worst_tick: note.worst_tick }
+}

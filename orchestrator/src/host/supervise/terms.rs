@@ -1,0 +1,114 @@
+//! What whoever looks after a run is told, what it says in the end, and what it looks after.
+
+use crate::run::message::Finish;
+use crate::run::run_spec::Plan;
+use results::TraceError;
+use results::checkpoint::Saving;
+use results::verdict::Standing;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+use std::{fmt, io};
+use unit::board::Board;
+use unit::failure::{Cause, Failure};
+
+/// What the parent of a run is told.
+#[derive(Clone, Debug)]
+pub struct Orders<'a> {
+    /// What to run.
+    pub plan: &'a Plan,
+    /// The checkpoints that it is to leave.
+    pub saving: &'a Saving,
+    /// The program that knows the subcommand `step-loop`.
+    pub program: PathBuf,
+    /// How long a call of a unit may take; `None` waits for ever.
+    pub step_timeout: Option<Duration>,
+    /// Where the instances live.
+    pub placement: Placement,
+}
+
+/// Where the instances of a run live. The results are the same.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum Placement {
+    /// All of them in one child process, with the loop.
+    #[default]
+    Together,
+    /// Each in a process of its own, which this function starts; the loop is here.
+    Isolated(StartWorkers),
+}
+
+/// Starts the workers of a run and its loop, which writes rows, messages and claims to this board.
+pub type StartWorkers = fn(&Orders<'_>, &Arc<Board>) -> io::Result<Box<dyn Stepping>>;
+
+/// What steps a run, seen from the one who looks after it.
+pub trait Stepping {
+    /// If it is over: why, should it count as broken since it did not say that it was done. All that it told is on the
+    /// board then.
+    ///
+    /// # Errors
+    /// The system does not tell.
+    fn ended(&mut self) -> io::Result<Option<Cause>>;
+
+    /// Ends it at once; [`Stepping::ended`] tells when that has happened.
+    fn kill(&mut self);
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ended {
+    /// The tick that it reached.
+    pub last_tick: u64,
+    /// What the loop said, if it ended by itself.
+    pub finish: Option<Finish>,
+    /// What broke it, if something did.
+    pub failure: Option<Failure>,
+    /// Whether the user ended it.
+    pub interrupted: bool,
+    /// How each claim stands at the end.
+    pub standings: Vec<Standing>,
+    /// How long it took.
+    pub wall: Duration,
+}
+
+/// Why a run could not be looked after.
+#[derive(Debug)]
+pub enum SuperviseError {
+    /// The system refused something before the first step.
+    Start {
+        /// What was being done.
+        doing: &'static str,
+        /// What the system said.
+        error: io::Error,
+    },
+    /// The results could not be written.
+    Trace(TraceError),
+    /// The results could not be written of a run that had broken before.
+    Broken {
+        /// What broke it.
+        failure: Box<Failure>,
+        /// Why there are no results.
+        error: TraceError,
+    },
+}
+
+impl SuperviseError {
+    /// The results could not be written; what broke the run before is kept.
+    #[must_use]
+    pub fn unwritten(failure: Option<Failure>, error: TraceError) -> Self {
+        match failure {
+            Some(failure) => Self::Broken { failure: Box::new(failure), error },
+            None => Self::Trace(error),
+        }
+    }
+}
+
+impl fmt::Display for SuperviseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Start { doing, error } => write!(f, "cannot {doing}: {error}"),
+            Self::Trace(error) | Self::Broken { error, .. } => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for SuperviseError {}

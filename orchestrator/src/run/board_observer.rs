@@ -1,0 +1,78 @@
+//! The loop's witness in a run: the board.
+
+use super::pace::Pace;
+use crate::run::message::{Message, MessageSink};
+use crate::run::run_spec::PlannedSave;
+use crate::run::step_loop::{Checkpoint, Witness};
+use results::verdict::Standing;
+use std::sync::Arc;
+use unit::board::{Board, ClaimNote};
+
+/// Tells the board.
+pub struct Told<'a> {
+    board: &'a Board,
+    pace: Option<Pace>,
+    saves: &'a [PlannedSave],
+}
+
+impl<'a> Told<'a> {
+    /// Tells this board, no faster than this pace, and keeps the run where that is planned.
+    pub fn new(board: &'a Board, pace: Option<Pace>, saves: &'a [PlannedSave]) -> Self {
+        Self { board, pace, saves }
+    }
+}
+
+impl Witness for Told<'_> {
+    #[inline]
+    fn reached(&mut self, tick: u64) {
+        if let Some(pace) = &mut self.pace {
+            pace.wait_for(tick, || self.board.stop_requested());
+        }
+        self.board.set_tick(tick);
+    }
+
+    #[inline]
+    fn stop_requested(&self) -> bool {
+        self.board.stop_requested()
+    }
+
+    #[inline]
+    fn row(&mut self, tick: u64, row: &[u64]) {
+        self.board.push_row(tick, row);
+    }
+
+    #[inline]
+    fn wants_checkpoint(&self, tick: u64) -> bool {
+        self.saves.iter().any(|save| save.tick == tick)
+    }
+
+    fn checkpoint(&mut self, checkpoint: &Checkpoint) -> Result<(), String> {
+        let bytes = postcard::to_stdvec(checkpoint).map_err(|error| format!("cannot encode a checkpoint: {error}"))?;
+        for save in self.saves.iter().filter(|save| save.tick == checkpoint.tick) {
+            let written = std::fs::write(&save.file, &bytes);
+            written.map_err(|error| format!("cannot write {}: {error}", save.file.display()))?;
+        }
+        message(self.board, &Message::Saved(checkpoint.tick));
+        Ok(())
+    }
+
+    fn claim(&mut self, claim: usize, standing: Standing) {
+        let Standing { verdict, margin, worst_tick } = standing;
+        self.board.set_claim(claim, &ClaimNote { verdict: verdict as u8, margin, worst_tick });
+    }
+}
+
+/// Where messages of this process go: onto the board.
+#[must_use]
+pub fn sink(board: &Arc<Board>) -> MessageSink {
+    let board = Arc::clone(board);
+    Arc::new(move |told| message(&board, &told))
+}
+
+/// Puts a message on the board.
+pub fn message(board: &Board, message: &Message) {
+    match postcard::to_stdvec(message) {
+        Ok(bytes) => assert!(board.push_message(&bytes), "a message of {} bytes is longer than the ring", bytes.len()),
+        Err(error) => unreachable!("a message could not be encoded: {error}"),
+    }
+}

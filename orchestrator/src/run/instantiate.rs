@@ -1,0 +1,126 @@
+//! Brings units on board: libraries are loaded, instances made, their values set, initialization begun.
+
+use crate::run::message::{CallPiece, Message, MessageSink};
+use crate::run::run_spec::PlannedUnit;
+use crate::run::worker::Seating;
+use dsl::scenario::{Preset, Value};
+use std::path::Path;
+use std::sync::Arc;
+use unit::board::{Note, Now};
+use unit::call_log::CallLog;
+use unit::call_log::LONGEST_PIECE;
+use unit::failure::{Cause, Doing, Failure};
+use unit::instance::{Instance, Setting};
+use unit::library::Library;
+
+/// Who is to come on board.
+#[derive(Clone, Copy, Debug)]
+pub struct Passenger<'a> {
+    /// The index in the scenario.
+    pub index: usize,
+    /// The name in the script.
+    pub name: &'a str,
+    /// The index of its unit.
+    pub unit: usize,
+    /// What is set before initialization.
+    pub presets: &'a [Preset],
+    /// Whether its calls are told.
+    pub log_calls: bool,
+}
+
+/// Where to board, and who hears of it.
+pub struct Gate<'a> {
+    /// The units.
+    pub units: &'a [PlannedUnit],
+    /// The folder that `file("…")` is relative to.
+    pub folder: &'a Path,
+    /// The note of the thread that makes the calls.
+    pub note: Note,
+    /// The communication step in nanoseconds.
+    pub step_ns: u64,
+    /// Where words and calls of units go.
+    pub sink: MessageSink,
+}
+
+impl Gate<'_> {
+    /// Brings instances so far that initialization can begin, in their order. Whoever is aboard when one fails stays
+    /// there, so that the caller can tell the failure before a unit is freed.
+    ///
+    /// # Errors
+    /// The first instance that could not be brought so far.
+    pub fn admit<'p>(
+        &self,
+        passengers: impl IntoIterator<Item = Passenger<'p>>,
+        aboard: &mut Vec<Seating>,
+    ) -> Result<(), Failure> {
+        let start = || self.note.at(0, 0.0);
+        let mut libraries: Vec<Option<Arc<Library>>> = vec![None; self.units.len()];
+        for Passenger { index, name, unit, presets, log_calls } in passengers {
+            let library = match &libraries[unit] {
+                Some(library) => Arc::clone(library),
+                None => self.load(&self.units[unit], name, index)?,
+            };
+            libraries[unit] = Some(Arc::clone(&library));
+            let sink = Arc::clone(&self.sink);
+            let sink = Arc::new(move |said| sink(Message::Log(said)));
+            let calls = log_calls.then(|| self.call_log(index));
+            let setting = Setting { name, index, note: self.note.clone(), sink, logging_on: log_calls, calls };
+            let instance = Instance::instantiate(&library, setting)?;
+            let Seating { instance, .. } = aboard.push_mut(Seating { index, instance });
+            for preset in presets {
+                self.set(instance, &start(), preset, &self.units[unit])?;
+            }
+            instance.setup_experiment(&start())?;
+        }
+        Ok(())
+    }
+
+    /// Tells the calls of an instance in pieces that a board takes.
+    fn call_log(&self, instance: usize) -> CallLog {
+        let sink = Arc::clone(&self.sink);
+        let tell = move |text: &str| {
+            for bytes in text.as_bytes().chunks(LONGEST_PIECE) {
+                sink(Message::Calls(CallPiece { instance, bytes: bytes.to_vec() }));
+            }
+        };
+        CallLog { sink: Arc::new(tell), step_ns: self.step_ns }
+    }
+
+    fn load(&self, unit: &PlannedUnit, name: &str, index: usize) -> Result<Arc<Library>, Failure> {
+        let library = Library::load(&unit.folder, &unit.description, &self.note, index);
+        library.map(Arc::new).map_err(|error| Failure {
+            instance: Some(name.to_owned()),
+            doing: Doing::Load,
+            time_s: None,
+            cause: Cause::Other(error.to_string()),
+        })
+    }
+
+    fn set(
+        &self,
+        instance: &mut Instance,
+        start: &Now<'_>,
+        preset: &Preset,
+        unit: &PlannedUnit,
+    ) -> Result<(), Failure> {
+        let reference = &[unit.description.variables[preset.variable].value_reference];
+        match &preset.value {
+            Value::Real(value) => instance.set_real(start, reference, &[*value]),
+            Value::Integer(value) => instance.set_integer(start, reference, &[*value]),
+            Value::Boolean(value) => instance.set_boolean(start, reference, &[i32::from(*value)]),
+            Value::String(text) => instance.set_string(start, reference, std::slice::from_ref(text)),
+            Value::File(path) => {
+                let path = self.folder.join(path).to_string_lossy().into_owned();
+                instance.set_string(start, reference, &[path])
+            }
+        }
+    }
+}
+
+/// Begins initialization of all instances, in their order.
+///
+/// # Errors
+/// The first that refused.
+pub fn enter_initialization(aboard: &mut [Seating], note: &Note) -> Result<(), Failure> {
+    aboard.iter_mut().try_for_each(|seating| seating.instance.enter_initialization_mode(&note.at(0, 0.0)))
+}

@@ -1,0 +1,11 @@
+//! A run: from initialization over each tick to verdicts, on workers that hold the instances.
+
+pub mod board_observer;
+pub mod instantiate;
+pub mod message;
+mod pace;
+pub mod prepared_run;
+pub mod run_spec;
+pub mod step_loop;
+pub mod stepping;
+pub mod worker;

@@ -1,0 +1,24 @@
+//! A run that can begin: what preparation hands to the process that supervises the run.
+
+use super::run_spec::Plan;
+use results::checkpoint::Saving;
+use results::run_folder::RunFolder;
+use results::run_record::RunRecord;
+use tempfile::TempDir;
+
+/// A run that can begin.
+#[derive(Debug)]
+pub struct PreparedRun {
+    /// What is run.
+    pub plan: Plan,
+    /// The checkpoints that it is to leave.
+    pub saving: Saving,
+    /// What `run.json` says so far.
+    pub record: RunRecord,
+    /// The folder of the results, locked.
+    pub folder: RunFolder,
+    /// Unpacked units and the board; gone when this is dropped.
+    pub home: TempDir,
+    /// The script as the user named it.
+    pub script: String,
+}

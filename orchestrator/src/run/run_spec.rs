@@ -1,0 +1,106 @@
+//! What the parent of a run hands to the process that steps it.
+
+use crate::run::step_loop::Checkpoint;
+use dsl::scenario::Scenario;
+use fmi2::description::ModelDescription;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use unit::time::seconds;
+
+/// How the name of a run's private folder begins.
+pub const HOME_PREFIX: &str = "lockstep-";
+
+/// Everything that the stepping process needs; it reads no script and looks for no unit.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Plan {
+    /// What to run.
+    pub scenario: Scenario,
+    /// The units, each once.
+    pub units: Vec<PlannedUnit>,
+    /// For each instance of the scenario the index of its unit.
+    pub unit_of: Vec<usize>,
+    /// The folder that `file("…")` is relative to, the script's.
+    #[serde(with = "path_bytes")]
+    pub folder: PathBuf,
+    /// The board's file.
+    #[serde(with = "path_bytes")]
+    pub board: PathBuf,
+    /// End as soon as a claim is lost.
+    pub fail_fast: bool,
+    /// Write the trace; not with `--record none`.
+    pub record: bool,
+    /// Somebody may watch: rows are handed over even if nothing of them is written.
+    pub live: bool,
+    /// Simulated seconds for each second of the wall clock (`--pace`); `None` for as fast as it goes.
+    pub pace: Option<f64>,
+    /// When the run is to be kept as it is, each time once.
+    pub saves: Vec<PlannedSave>,
+    /// Where the run continues; `None` for the start.
+    pub from: Option<Checkpoint>,
+    /// The instances whose calls are logged (`--log-fmi-calls`).
+    pub log_calls: Vec<usize>,
+}
+
+impl Plan {
+    /// The simulated seconds at which the run begins.
+    #[must_use]
+    pub fn from_s(&self) -> f64 {
+        self.from.as_ref().map_or(0.0, |checkpoint| seconds(checkpoint.tick, self.scenario.step_ns))
+    }
+
+    /// Whether the loop hands over rows.
+    #[must_use]
+    pub fn hands_over_rows(&self) -> bool {
+        self.record || self.live
+    }
+}
+
+/// A checkpoint that is to be made.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PlannedSave {
+    /// After the row of this tick.
+    pub tick: u64,
+    /// The private file that takes it on its way to the parent.
+    #[serde(with = "path_bytes")]
+    pub file: PathBuf,
+}
+
+/// A unit, unpacked by the parent.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PlannedUnit {
+    /// What messages call it: the path or name as the script wrote it.
+    pub name: String,
+    /// Its folder: `modelDescription.xml`, `binaries/`, `resources/`.
+    #[serde(with = "path_bytes")]
+    pub folder: PathBuf,
+    /// What its `modelDescription.xml` says.
+    pub description: ModelDescription,
+    /// SHA-256 of its archive.
+    pub sha256: String,
+}
+
+/// Paths as the bytes that they are: not every path is UTF-8.
+pub(crate) mod path_bytes {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::ffi::OsString;
+    use std::os::unix::ffi::{OsStrExt, OsStringExt};
+    use std::path::{Path, PathBuf};
+
+    pub fn serialize<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+        path.as_os_str().as_bytes().serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<PathBuf, D::Error> {
+        Vec::deserialize(deserializer).map(|bytes| OsString::from_vec(bytes).into())
+    }
+}
+
+#[test]
+fn a_path_that_is_no_utf_8_comes_through() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = PathBuf::from(std::ffi::OsStr::from_bytes(b"/tmp/caf\xe9"));
+    let (name, description, sha256) = ("a".to_owned(), ModelDescription::default(), String::new());
+    let unit = PlannedUnit { name, folder, description, sha256 };
+    let read: PlannedUnit = postcard::from_bytes(&postcard::to_stdvec(&unit).unwrap()).unwrap();
+    assert_eq!(read.folder, unit.folder);
+}

@@ -1,0 +1,222 @@
+//! The loop: gather, judge, events, drive, step, record, tick for tick.
+//!
+//! It works on flat arrays and allocates, hashes, formats and waits for nothing but its workers. Next on the walk: the
+//! workers' units, `fmus/<unit>/src/lib.rs`, and back through `claims/` and `trace/`.
+
+mod checkpoint;
+mod gather;
+mod initialise;
+mod observer;
+#[cfg(test)]
+mod tests;
+
+pub use checkpoint::Checkpoint;
+pub use observer::Witness;
+
+use crate::flatten::claims::{Claims, Ending};
+use crate::flatten::expression::Moment;
+use crate::flatten::values::Values;
+use crate::flatten::wiring::{Wave, Wiring};
+use crate::run::message::{Finish, Reason};
+use crate::run::worker::{Leaving, Order, Terminated, Worker};
+use gather::UnderWay;
+use std::ops::Range;
+use unit::failure::Failure;
+
+/// What a run may be told besides its scenario.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wishes {
+    /// End as soon as a claim is lost.
+    pub fail_fast: bool,
+    /// Hand over rows.
+    pub record: bool,
+}
+
+/// A run of a scenario.
+pub struct StepLoop<'a, W> {
+    wiring: Wiring,
+    workers: Vec<Box<dyn Worker + 'a>>,
+    claims: Claims,
+    wishes: Wishes,
+    witness: W,
+    /// What `->`, claims and rows see: outputs of steps that ended by now.
+    visible: Values,
+    /// What `=>` sees: outputs of all steps that were awaited.
+    latest: Values,
+    /// Inputs as they last acted.
+    inputs: Values,
+    /// Orders whose replies nobody asked for yet, by group.
+    under_way: Vec<Option<UnderWay>>,
+    /// Results that a checkpoint awaited before they are due.
+    early: Values,
+    /// Units that are done for good, with the tick at which that counts.
+    terminated: Vec<(u64, Terminated)>,
+    /// Whether each condition of `rises` held at the last sample, and whether it rises now.
+    held: Vec<bool>,
+    rises: Vec<bool>,
+    next_change: usize,
+    row: Vec<u64>,
+    /// How many samples the claims took.
+    samples: u64,
+}
+
+impl<'a, W: Witness> StepLoop<'a, W> {
+    /// A run that stands before initialization.
+    pub fn new(wiring: Wiring, claims: Claims, workers: Vec<Box<dyn Worker + 'a>>, wishes: Wishes, witness: W) -> Self {
+        Self {
+            visible: wiring.outputs.clone(),
+            latest: wiring.outputs.clone(),
+            inputs: wiring.inputs.clone(),
+            under_way: wiring.groups.iter().map(|_| None).collect(),
+            early: wiring.outputs.clone(),
+            terminated: Vec::new(),
+            held: vec![false; wiring.rises.len()],
+            rises: vec![false; wiring.rises.len()],
+            next_change: 0,
+            row: wiring.row.row(),
+            samples: 0,
+            wiring,
+            workers,
+            claims,
+            wishes,
+            witness,
+        }
+    }
+
+    /// Runs to the end, whatever end that is, and tells the witness how the claims stand then. With a checkpoint it begins
+    /// behind the checkpoint's row.
+    ///
+    /// # Errors
+    /// The run broke.
+    pub fn run(&mut self, from: Option<&Checkpoint>) -> Result<Finish, Failure> {
+        let restored = self.initialise().and_then(|()| from.map_or(Ok(()), |checkpoint| self.restore(checkpoint)));
+        let ended = restored.and_then(|()| self.ticks());
+        let ending = match &ended {
+            Ok(Finish { reason: Reason::StopTime | Reason::Terminated(_), .. }) => Ending::Complete,
+            _ => Ending::CutOff,
+        };
+        let (witness, last_sample) = (&mut self.witness, self.samples.checked_sub(1));
+        self.claims.end(last_sample, ending, |claim, standing| witness.claim(claim, standing));
+        ended
+    }
+
+    fn ticks(&mut self) -> Result<Finish, Failure> {
+        // One sample is taken at each tick.
+        let mut tick = self.samples;
+        loop {
+            let time_s = self.wiring.seconds(tick);
+            self.witness.reached(tick);
+            if let Some(finish) = self.gather(tick)? {
+                return Ok(finish);
+            }
+            self.judge(tick, time_s);
+            if let Some(reason) = self.reason_to_end(tick) {
+                self.record(tick);
+                return Ok(Finish { last_tick: tick, reason });
+            }
+            self.take_events(tick);
+            self.drive(tick, time_s);
+            for wave in 0..self.wiring.waves.len() {
+                if let Some(finish) = self.step(wave, tick, time_s)? {
+                    self.record(tick);
+                    return Ok(finish);
+                }
+            }
+            self.record(tick);
+            if self.witness.wants_checkpoint(tick) {
+                self.save(tick)?;
+            }
+            tick += 1;
+        }
+    }
+
+    /// Claims take the sample of this tick.
+    fn judge(&mut self, tick: u64, time_s: f64) {
+        for (slot, condition) in self.wiring.rises.iter_mut().enumerate() {
+            let holds = condition.holds(&Moment { outputs: &self.visible, time_s, rises: &self.rises });
+            self.rises[slot] = holds && !std::mem::replace(&mut self.held[slot], holds);
+        }
+        let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+        self.claims.take(tick, &moment, |claim, standing| self.witness.claim(claim, standing));
+        self.samples = tick + 1;
+    }
+
+    fn reason_to_end(&self, tick: u64) -> Option<Reason> {
+        if tick >= self.wiring.stop_tick {
+            return Some(Reason::StopTime);
+        }
+        let due = self.terminated.iter().filter(|(due_tick, _)| *due_tick <= tick);
+        if let Some(first) = due.map(|(_, unit)| unit.instance).min() {
+            return Some(Reason::Terminated(first));
+        }
+        let lost = self.claims.lost().filter(|_| self.wishes.fail_fast).map(Reason::ClaimLost);
+        lost.or_else(|| self.witness.stop_requested().then_some(Reason::Interrupted))
+    }
+
+    /// Windows close, then open.
+    #[inline]
+    fn take_events(&mut self, tick: u64) {
+        while let Some(change) = self.wiring.changes.get(self.next_change).filter(|change| change.tick <= tick) {
+            self.wiring.overrides[change.group][change.target].take(change.effect);
+            self.next_change += 1;
+        }
+    }
+
+    /// `->` brings what is visible to whoever steps now.
+    fn drive(&mut self, tick: u64, time_s: f64) {
+        let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+        for (group, feed) in self.wiring.groups.iter().zip(&mut self.wiring.delayed) {
+            if group.is_due(tick) {
+                feed.bring(&moment, &mut self.inputs);
+            }
+        }
+    }
+
+    /// A wave: all orders go out before the first reply is awaited. A finish means that this tick is the last.
+    fn step(&mut self, wave: usize, tick: u64, time_s: f64) -> Result<Option<Finish>, Failure> {
+        let Wave { groups, is_fed, is_read } = self.wiring.waves[wave].clone();
+        if is_fed {
+            self.feed(groups.clone(), tick, time_s);
+        }
+        for index in groups.clone() {
+            let group = &self.wiring.groups[index];
+            if group.is_due(tick) {
+                let order = Order { group: index, tick, inputs: &self.inputs };
+                let ticket = self.workers[group.worker].order(&order).map_err(|lost| lost.failure)?;
+                self.under_way[index] = Some(UnderWay::Ordered(ticket));
+            }
+        }
+        if is_read { self.await_direct(groups, tick) } else { Ok(None) }
+    }
+
+    /// `=>` brings the latest results to whoever steps in this wave, and `set` what it sets.
+    fn feed(&mut self, groups: Range<usize>, tick: u64, time_s: f64) {
+        let latest = Moment { outputs: &self.latest, time_s, rises: &self.rises };
+        let visible = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+        for group in groups.filter(|&group| self.wiring.groups[group].is_due(tick)) {
+            self.wiring.direct[group].bring(&latest, &mut self.inputs);
+            for target in &mut self.wiring.overrides[group] {
+                target.bring(&visible, &mut self.inputs);
+            }
+        }
+    }
+
+    /// Hands over the row of this tick.
+    fn record(&mut self, tick: u64) {
+        if self.wishes.record {
+            self.wiring.row.fill(&self.visible, &self.inputs, &mut self.row);
+            self.witness.row(tick, &self.row);
+        }
+    }
+
+    /// Terminates and frees all instances, at the tick that the run has reached.
+    ///
+    /// # Errors
+    /// The first in the script's order that refused.
+    pub fn close(&mut self, leaving: Leaving) -> Result<(), Failure> {
+        let tick = self.samples.saturating_sub(1);
+        let lost = self.workers.iter_mut().filter_map(|worker| worker.finish(tick, leaving).err());
+        let lost: Vec<_> = lost.collect();
+        lost.into_iter().min_by_key(|lost| lost.instance).map_or(Ok(()), |lost| Err(lost.failure))
+    }
+}

@@ -1,0 +1,208 @@
+//! Checkpoints: all that a run is between two ticks, taken out of one run and put into another.
+//!
+//! Everything is kept by instance in the script's order and by port in the member's order, never by place or group, so that
+//! a run can continue in other workers than it was saved in.
+
+use super::{StepLoop, UnderWay, Witness};
+use crate::flatten::claims::{Claims, Memory};
+use crate::flatten::values::Values;
+use crate::flatten::wiring::{Member, Wiring};
+use crate::run::worker::{Reply, Terminated};
+use dsl::scenario::Scenario;
+use fmi2::description::ModelDescription;
+use results::checkpoint::CheckpointError;
+use serde::{Deserialize, Serialize};
+use unit::failure::Failure;
+
+/// A run after the row of a tick.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Checkpoint {
+    /// The tick of the last row.
+    pub tick: u64,
+    /// The instances in the script's order.
+    instances: Vec<SavedInstance>,
+    /// Units that are done for good, with the tick at which that counts.
+    terminated: Vec<(u64, Terminated)>,
+    /// Whether each condition of `rises` held at the last sample, and whether it rose then.
+    held: Vec<bool>,
+    rises: Vec<bool>,
+    claims: Memory,
+}
+
+/// One instance.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct SavedInstance {
+    /// Its state, as the unit serialized it.
+    state: Vec<u8>,
+    inputs: Values,
+    visible: Values,
+    latest: Values,
+    /// What its step brings when it is due, if one is under way.
+    early: Option<EarlyResult>,
+}
+
+/// A result that was awaited before it is due.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct EarlyResult {
+    outputs: Values,
+    terminated: Option<Terminated>,
+}
+
+impl Checkpoint {
+    /// Reads a checkpoint of a run of this scenario.
+    ///
+    /// # Errors
+    /// The bytes are damaged, were saved where this run is over, or do not fit the scenario.
+    pub fn read(
+        bytes: &[u8],
+        scenario: &Scenario,
+        descriptions: &[&ModelDescription],
+    ) -> Result<Self, CheckpointError> {
+        let read = postcard::take_from_bytes::<Self>(bytes);
+        let (checkpoint, rest) = read.map_err(|_| CheckpointError::Damaged)?;
+        if checkpoint.tick >= scenario.stop_tick {
+            return Err(CheckpointError::AtTheEnd { tick: checkpoint.tick, step_ns: scenario.step_ns });
+        }
+        if rest.is_empty() && checkpoint.fits(scenario, descriptions) {
+            Ok(checkpoint)
+        } else {
+            Err(CheckpointError::Unfit)
+        }
+    }
+
+    /// Whether it could be one of a run of this scenario: as many of everything, each where it may be. What units saved is
+    /// theirs to judge.
+    pub(super) fn fits(&self, scenario: &Scenario, descriptions: &[&ModelDescription]) -> bool {
+        if self.tick >= scenario.stop_tick || self.instances.len() != scenario.instances.len() {
+            return false;
+        }
+        let wiring = Wiring::new(scenario, descriptions, &vec![0; scenario.instances.len()]);
+        let exists = |unit: &Terminated| unit.instance < wiring.members.len();
+        let instance_fits = |instance: usize| {
+            let early = &self.instances[instance].early;
+            let itself = |result: &EarlyResult| result.terminated.is_none_or(|unit| unit.instance == instance);
+            self.instances[instance].fits(&wiring.members[instance]) && early.as_ref().is_none_or(itself)
+        };
+        let is_under_way = |instance: &usize| self.instances[*instance].early.is_some();
+        let mut claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
+        (0..wiring.members.len()).all(instance_fits)
+            && wiring.groups.iter().all(|group| {
+                group
+                    .instances
+                    .iter()
+                    .map(is_under_way)
+                    .all(|under_way| under_way == group.is_under_way_after(self.tick))
+            })
+            && self.terminated.iter().all(|(_, unit)| exists(unit))
+            && [self.held.len(), self.rises.len()] == [wiring.rises.len(); 2]
+            && claims.remember(&self.claims, self.tick + 1)
+    }
+}
+
+impl SavedInstance {
+    fn fits(&self, member: &Member) -> bool {
+        let early = self.early.iter().map(|early| &early.outputs);
+        let mut outputs = [&self.visible, &self.latest].into_iter().chain(early);
+        member.inputs.fit(&self.inputs) && outputs.all(|values| member.outputs.fit(values))
+    }
+}
+
+impl<W: Witness> StepLoop<'_, W> {
+    /// Has the witness keep the run as it is after the row of this tick. Where a step that is under way is lost there is
+    /// nothing to keep: the run breaks when its result is due.
+    ///
+    /// # Errors
+    /// A unit refuses to be saved, or the witness cannot keep what was saved.
+    #[cold]
+    pub(super) fn save(&mut self, tick: u64) -> Result<(), Failure> {
+        if !self.await_early(tick) {
+            return Ok(());
+        }
+        let mut states = Vec::new();
+        for worker in &mut self.workers {
+            states.extend(worker.save(tick).map_err(|lost| lost.failure)?);
+        }
+        states.sort_by_key(|(instance, _)| *instance);
+        assert!(
+            states.iter().map(|(instance, _)| *instance).eq(0..self.wiring.members.len()),
+            "each instance is saved once"
+        );
+        let states = states.into_iter();
+        let checkpoint = Checkpoint {
+            tick,
+            instances: states.map(|(instance, state)| self.saved_instance(instance, state)).collect(),
+            terminated: self.terminated.clone(),
+            held: self.held.clone(),
+            rises: self.rises.clone(),
+            claims: self.claims.memory(),
+        };
+        self.witness.checkpoint(&checkpoint).map_err(|cause| Failure::between_calls(self.wiring.seconds(tick), cause))
+    }
+
+    /// Awaits all orders that are under way, aside from where results are seen; false if one is lost.
+    fn await_early(&mut self, tick: u64) -> bool {
+        for (group, order) in self.wiring.groups.iter().zip(&mut self.under_way) {
+            if let Some(UnderWay::Ordered(ticket)) = *order {
+                let result = self.workers[group.worker].reply(ticket, group.due_after(tick), &mut self.early);
+                *order = Some(UnderWay::Early(Box::new(result)));
+            }
+        }
+        self.under_way.iter().flatten().all(|order| matches!(order, UnderWay::Early(result) if result.is_ok()))
+    }
+
+    fn saved_instance(&self, instance: usize, state: Vec<u8>) -> SavedInstance {
+        let Member { inputs, outputs, .. } = &self.wiring.members[instance];
+        let of_group = |(group, _): &(&crate::flatten::wiring::Group, _)| group.instances.contains(&instance);
+        let order = self.wiring.groups.iter().zip(&self.under_way).find(of_group).and_then(|(_, order)| order.as_ref());
+        let early = order.map(|order| EarlyResult {
+            outputs: outputs.values(&self.early),
+            terminated: order.terminated().iter().copied().find(|unit| unit.instance == instance),
+        });
+        SavedInstance {
+            state,
+            inputs: inputs.values(&self.inputs),
+            visible: outputs.values(&self.visible),
+            latest: outputs.values(&self.latest),
+            early,
+        }
+    }
+
+    /// Takes a run that was initialized to where another stood when it was saved.
+    ///
+    /// # Errors
+    /// A unit refuses its state.
+    ///
+    /// # Panics
+    /// If the checkpoint does not fit, see [`Checkpoint::fits`].
+    pub(super) fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), Failure> {
+        let Checkpoint { tick, instances, .. } = checkpoint;
+        for (index, worker) in self.workers.iter_mut().enumerate() {
+            let groups = self.wiring.groups.iter().filter(|group| group.worker == index);
+            let mut held: Vec<_> = groups.flat_map(|group| &group.instances).copied().collect();
+            held.sort_unstable();
+            let states: Vec<_> = held.into_iter().map(|instance| (instance, &*instances[instance].state)).collect();
+            worker.restore(*tick, &states).map_err(|lost| lost.failure)?;
+        }
+        for (saved, member) in instances.iter().zip(&self.wiring.members) {
+            member.inputs.store(&saved.inputs, &mut self.inputs);
+            member.outputs.store(&saved.visible, &mut self.visible);
+            member.outputs.store(&saved.latest, &mut self.latest);
+            if let Some(early) = &saved.early {
+                member.outputs.store(&early.outputs, &mut self.early);
+            }
+        }
+        for (group, order) in self.wiring.groups.iter().zip(&mut self.under_way) {
+            let results = group.instances.iter().filter_map(|&instance| instances[instance].early.as_ref());
+            let terminated = results.filter_map(|result| result.terminated).collect();
+            *order = group.is_under_way_after(*tick).then(|| UnderWay::Early(Box::new(Ok(Reply { terminated }))));
+        }
+        self.terminated.clone_from(&checkpoint.terminated);
+        self.held.clone_from(&checkpoint.held);
+        self.rises.clone_from(&checkpoint.rises);
+        self.take_events(*tick);
+        self.samples = tick + 1;
+        assert!(self.claims.remember(&checkpoint.claims, self.samples), "a checkpoint fits its claims");
+        self.claims.standings().for_each(|(claim, standing)| self.witness.claim(claim, standing));
+        Ok(())
+    }
+}

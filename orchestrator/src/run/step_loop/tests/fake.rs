@@ -1,0 +1,392 @@
+//! Units made of closures, behind the worker's trait, and scripts made of a few words.
+
+use crate::flatten::claims::Claims;
+use crate::flatten::values::Values;
+use crate::flatten::wiring::{Pick, Wiring};
+use crate::run::message::Finish;
+use crate::run::step_loop::{Checkpoint, StepLoop, Wishes, Witness};
+use crate::run::worker::{Leaving, Lost, Order, Reply, Terminated, Ticket, Worker};
+use dsl::scenario::{
+    Column, Connection, Drive, Event, Formula, InitialStep, Instance, Port, RealExpression, Scenario, Set, TickWindow,
+};
+use fmi2::calls::Call;
+use fmi2::description::{Causality, Kind, ModelDescription, RealAttributes, RealVariable, Variability, Variable};
+use results::verdict::{Standing, Verdict};
+use std::cell::RefCell;
+use std::rc::Rc;
+use unit::failure::{Cause, Doing, Failure};
+
+/// Variables of every fake unit.
+pub const U: usize = 0;
+pub const V: usize = 1;
+pub const P: usize = 2;
+pub const Y: usize = 3;
+
+/// What a step does.
+pub struct Step {
+    pub u: f64,
+    pub p: f64,
+    pub tick: u64,
+    /// How many steps there were before this one.
+    pub before: u32,
+}
+
+pub enum Answer {
+    Value(f64),
+    Terminated { y: f64, last_successful_time_s: f64 },
+    Error,
+}
+
+pub struct Fake {
+    every: u64,
+    wave: usize,
+    behaviour: Box<dyn FnMut(&Step) -> Answer>,
+}
+
+pub fn unit(every: u64, wave: usize, mut y: impl FnMut(&Step) -> f64 + 'static) -> Fake {
+    Fake { every, wave, behaviour: Box::new(move |step| Answer::Value(y(step))) }
+}
+
+pub fn answering(every: u64, wave: usize, behaviour: impl FnMut(&Step) -> Answer + 'static) -> Fake {
+    Fake { every, wave, behaviour: Box::new(behaviour) }
+}
+
+/// A unit whose y counts its steps.
+pub fn counter(every: u64, wave: usize) -> Fake {
+    unit(every, wave, |step| f64::from(step.before + 1))
+}
+
+/// A unit whose y is the u of its last step.
+pub fn repeater(every: u64, wave: usize) -> Fake {
+    unit(every, wave, |step| step.u)
+}
+
+pub fn port(instance: usize, variable: usize) -> Port {
+    Port { instance, variable }
+}
+
+pub fn signal(instance: usize) -> RealExpression {
+    RealExpression::Signal(port(instance, Y))
+}
+
+/// A script over fake units; steps take a second, the run ends at tick 6 and every port is recorded that the columns say.
+pub struct Script {
+    pub scenario: Scenario,
+    pub worker_of: Vec<usize>,
+    pub fail_fast: bool,
+    pub stop_requested_at: Option<u64>,
+    pub units: Vec<Fake>,
+    /// The ticks at which the run is saved.
+    pub saves: Vec<u64>,
+    /// Where the run continues.
+    pub from: Option<Checkpoint>,
+}
+
+pub struct Flown {
+    pub result: Result<Finish, Failure>,
+    /// For each row its values.
+    pub rows: Vec<Vec<f64>>,
+    pub verdicts: Vec<Verdict>,
+    pub standings: Vec<Standing>,
+    pub checkpoints: Vec<Checkpoint>,
+    /// What the workers were asked, in order.
+    pub asked: Vec<String>,
+}
+
+impl Flown {
+    pub fn column(&self, column: usize) -> Vec<f64> {
+        self.rows.iter().map(|row| row[column]).collect()
+    }
+}
+
+impl Script {
+    pub fn new(units: Vec<Fake>) -> Self {
+        let instance = |(index, unit): (usize, &Fake)| Instance {
+            name: char::from(b'a' + u8::try_from(index).unwrap()).to_string(),
+            unit: String::new(),
+            every: unit.every,
+            wave: unit.wave,
+            presets: Vec::new(),
+        };
+        let scenario = Scenario {
+            title: String::new(),
+            step_ns: 1_000_000_000,
+            stop_tick: 6,
+            parameters: Vec::new(),
+            instances: units.iter().enumerate().map(instance).collect(),
+            initialization: Vec::new(),
+            connections: Vec::new(),
+            events: Vec::new(),
+            rises: Vec::new(),
+            claims: Vec::new(),
+            columns: Vec::new(),
+        };
+        let worker_of = vec![0; units.len()];
+        let (saves, from) = (Vec::new(), None);
+        Self { scenario, worker_of, fail_fast: false, stop_requested_at: None, units, saves, from }
+    }
+
+    pub fn connect(mut self, from: usize, to: usize, direct: bool) -> Self {
+        let source = Drive::Copy(port(from, Y));
+        self.scenario.connections.push(Connection { target: port(to, U), source, direct });
+        self
+    }
+
+    pub fn compute(mut self, source: RealExpression, to: Port, direct: bool) -> Self {
+        self.scenario.connections.push(Connection { target: to, source: Drive::Real(source), direct });
+        self
+    }
+
+    pub fn at(mut self, from: u64, until: Option<u64>, target: Port, value: RealExpression) -> Self {
+        self.scenario.events.push(Event { from, until, sets: vec![Set { target, value: Drive::Real(value) }] });
+        self
+    }
+
+    pub fn initially(mut self, step: InitialStep) -> Self {
+        self.scenario.initialization.push(step);
+        self
+    }
+
+    pub fn record(mut self, ports: &[(usize, usize)]) -> Self {
+        let column = |&(instance, variable)| Column { name: String::new(), port: port(instance, variable) };
+        self.scenario.columns.extend(ports.iter().map(column));
+        self
+    }
+
+    pub fn always(mut self, body: Formula) -> Self {
+        let formula = Formula::Always(TickWindow { from: 0, to: None }, Box::new(body));
+        let (name, text) = (String::new(), String::new());
+        let claim = dsl::scenario::Claim { name, text, line: 1, formula, unit: None, limit: None };
+        self.scenario.claims.push(claim);
+        self
+    }
+
+    pub fn on_workers(mut self, worker_of: &[usize]) -> Self {
+        self.worker_of = worker_of.to_vec();
+        self
+    }
+
+    pub fn fly(self) -> Flown {
+        let description = description();
+        let descriptions = vec![&description; self.units.len()];
+        let wiring = Wiring::new(&self.scenario, &descriptions, &self.worker_of);
+        let claims = Claims::new(&self.scenario.claims, self.scenario.stop_tick, &mut |port| wiring.place(port));
+        let asked = Rc::new(RefCell::new(Vec::new()));
+        let units: Vec<_> = self.units.into_iter().map(|unit| Rc::new(RefCell::new(unit))).collect();
+        let worker = |index| -> Box<dyn Worker> {
+            Box::new(FakeWorker::new(index, &wiring, &self.worker_of, &units, Rc::clone(&asked)))
+        };
+        let workers = (0..=self.worker_of.iter().copied().max().unwrap_or(0)).map(worker).collect();
+        let mut seen = Seen {
+            rows: Vec::new(),
+            first_row: self.from.as_ref().map_or(0, |checkpoint| checkpoint.tick + 1),
+            standings: Vec::new(),
+            tick: 0,
+            stop_at: self.stop_requested_at,
+            saves: self.saves,
+            checkpoints: Vec::new(),
+        };
+        seen.standings.resize(self.scenario.claims.len(), None);
+        let wishes = Wishes { fail_fast: self.fail_fast, record: true };
+        let result = StepLoop::new(wiring, claims, workers, wishes, &mut seen).run(self.from.as_ref());
+        let standings: Vec<_> = seen.standings.into_iter().flatten().collect();
+        let verdicts = standings.iter().map(|standing| standing.verdict).collect();
+        let asked = asked.borrow().clone();
+        Flown { result, rows: seen.rows, verdicts, standings, checkpoints: seen.checkpoints, asked }
+    }
+}
+
+struct Seen {
+    rows: Vec<Vec<f64>>,
+    first_row: u64,
+    standings: Vec<Option<Standing>>,
+    tick: u64,
+    stop_at: Option<u64>,
+    saves: Vec<u64>,
+    checkpoints: Vec<Checkpoint>,
+}
+
+impl Witness for &mut Seen {
+    fn reached(&mut self, tick: u64) {
+        self.tick = tick;
+    }
+    fn stop_requested(&self) -> bool {
+        self.stop_at.is_some_and(|at| self.tick >= at)
+    }
+    fn row(&mut self, tick: u64, row: &[u64]) {
+        assert_eq!(tick, self.first_row + self.rows.len() as u64, "rows come without gaps");
+        self.rows.push(row.iter().map(|&bits| f64::from_bits(bits)).collect());
+    }
+    fn wants_checkpoint(&self, tick: u64) -> bool {
+        self.saves.contains(&tick)
+    }
+    fn checkpoint(&mut self, checkpoint: &Checkpoint) -> Result<(), String> {
+        self.checkpoints.push(checkpoint.clone());
+        Ok(())
+    }
+    fn claim(&mut self, claim: usize, standing: Standing) {
+        self.standings[claim] = Some(standing);
+    }
+}
+
+/// Computes at the order and hands over at the reply, as a worker far away does.
+struct FakeWorker {
+    index: usize,
+    wiring: Vec<(Vec<usize>, u64)>,
+    members: Vec<crate::flatten::wiring::Member>,
+    units: Vec<Rc<RefCell<Fake>>>,
+    mine: Vec<usize>,
+    steps: Vec<u32>,
+    results: Vec<f64>,
+    lost: Vec<Option<Lost>>,
+    terminated: Vec<Vec<Terminated>>,
+    initial: Vec<f64>,
+    asked: Rc<RefCell<Vec<String>>>,
+}
+
+impl FakeWorker {
+    fn new(
+        index: usize,
+        wiring: &Wiring,
+        worker_of: &[usize],
+        units: &[Rc<RefCell<Fake>>],
+        asked: Rc<RefCell<Vec<String>>>,
+    ) -> Self {
+        let count = units.len();
+        Self {
+            index,
+            wiring: wiring.groups.iter().map(|group| (group.instances.clone(), group.every)).collect(),
+            members: wiring.members.clone(),
+            units: units.to_vec(),
+            mine: (0..count).filter(|&instance| worker_of[instance] == index).collect(),
+            steps: vec![0; count],
+            results: vec![0.0; count],
+            lost: vec![None; wiring.groups.len()],
+            terminated: vec![Vec::new(); wiring.groups.len()],
+            initial: vec![0.0; count],
+            asked,
+        }
+    }
+
+    fn input(&self, instance: usize, variable: usize, inputs: &Values, otherwise: f64) -> f64 {
+        let span = &self.members[instance].inputs.reals;
+        let position = span.variables.iter().position(|&has| has == variable);
+        position.map_or(otherwise, |position| inputs.reals[span.start + position])
+    }
+
+    fn show(&self, instance: usize, y: f64, outputs: &mut Values) {
+        let span = &self.members[instance].outputs.reals;
+        for (at, &variable) in span.range().zip(&span.variables) {
+            assert_eq!(variable, Y);
+            outputs.reals[at] = y;
+        }
+    }
+}
+
+impl Worker for FakeWorker {
+    fn set_initial(&mut self, instance: usize, picks: &[Pick], inputs: &Values) -> Result<(), Lost> {
+        assert!(self.mine.contains(&instance));
+        for pick in picks {
+            // Initially y is u, so that initialization can be followed along arrows.
+            self.initial[instance] = inputs.reals[pick.slot.index];
+        }
+        Ok(())
+    }
+
+    fn get_initial(&mut self, instance: usize, picks: &[Pick], outputs: &mut Values) -> Result<(), Lost> {
+        for pick in picks {
+            outputs.reals[pick.slot.index] = self.initial[instance] + 1.0;
+        }
+        Ok(())
+    }
+
+    fn start(&mut self, outputs: &mut Values) -> Result<(), Lost> {
+        self.mine.iter().for_each(|&instance| self.show(instance, self.initial[instance], outputs));
+        Ok(())
+    }
+
+    fn order(&mut self, order: &Order<'_>) -> Result<Ticket, Lost> {
+        self.asked.borrow_mut().push(format!("{} order {}", order.tick, self.index));
+        for instance in self.wiring[order.group].0.clone() {
+            assert!(self.mine.contains(&instance));
+            let step = Step {
+                u: self.input(instance, U, order.inputs, 0.0),
+                p: self.input(instance, P, order.inputs, 7.0),
+                tick: order.tick,
+                before: self.steps[instance],
+            };
+            self.steps[instance] += 1;
+            let answer = (self.units[instance].borrow_mut().behaviour)(&step);
+            match answer {
+                Answer::Value(y) => self.results[instance] = y,
+                Answer::Terminated { y, last_successful_time_s } => {
+                    self.results[instance] = y;
+                    self.terminated[order.group].push(Terminated { instance, last_successful_time_s });
+                }
+                Answer::Error => {
+                    let failure = Failure {
+                        instance: Some(instance.to_string()),
+                        doing: Doing::Call(Call::DoStep),
+                        time_s: Some(order.tick as f64),
+                        cause: Cause::Status(3),
+                    };
+                    self.lost[order.group].get_or_insert(Lost { instance, failure });
+                }
+            }
+        }
+        Ok(Ticket { group: order.group })
+    }
+
+    fn reply(&mut self, ticket: Ticket, due_tick: u64, outputs: &mut Values) -> Result<Reply, Lost> {
+        self.asked.borrow_mut().push(format!("{due_tick} reply {}", self.index));
+        if let Some(lost) = self.lost[ticket.group].take() {
+            return Err(lost);
+        }
+        for &instance in &self.wiring[ticket.group].0 {
+            self.show(instance, self.results[instance], outputs);
+        }
+        Ok(Reply { terminated: std::mem::take(&mut self.terminated[ticket.group]) })
+    }
+
+    fn save(&mut self, _: u64) -> Result<Vec<(usize, Vec<u8>)>, Lost> {
+        let state = |&instance: &usize| (self.steps[instance], self.results[instance]);
+        Ok(self.mine.iter().map(|instance| (*instance, postcard::to_stdvec(&state(instance)).unwrap())).collect())
+    }
+
+    fn restore(&mut self, _: u64, states: &[(usize, &[u8])]) -> Result<(), Lost> {
+        assert!(states.iter().map(|(instance, _)| instance).eq(&self.mine));
+        for &(instance, state) in states {
+            let cause = Cause::Other("no state of mine".to_owned());
+            let doing = Doing::Call(Call::DeSerializeFmuState);
+            let failure = || Failure { instance: Some(instance.to_string()), doing, time_s: None, cause };
+            let read = postcard::from_bytes(state).map_err(|_| Lost { instance, failure: failure() })?;
+            (self.steps[instance], self.results[instance]) = read;
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, _: u64, _: Leaving) -> Result<(), Lost> {
+        Ok(())
+    }
+}
+
+pub fn description() -> ModelDescription {
+    let variable = |(reference, (name, causality, start)): (u32, (&str, Causality, Option<f64>))| Variable {
+        position: Default::default(),
+        name: name.to_owned(),
+        value_reference: reference,
+        description: None,
+        causality,
+        variability: Variability::Continuous,
+        initial: None,
+        declared_type: None,
+        kind: Kind::Real(RealVariable { start, attributes: RealAttributes::default(), ..RealVariable::default() }),
+    };
+    let variables = [
+        ("u", Causality::Input, Some(0.5)),
+        ("v", Causality::Input, Some(0.25)),
+        ("p", Causality::Parameter, Some(7.0)),
+        ("y", Causality::Output, None),
+    ];
+    ModelDescription { variables: (0..).zip(variables).map(variable).collect(), ..ModelDescription::default() }
+}

@@ -1,0 +1,120 @@
+//! A flight asks for memory before its first step and after its last, never between.
+
+use super::*;
+use crate::run::message::Reason;
+use crate::run::run_spec::PlannedUnit;
+use ::tests::foreign::Foreign;
+use dsl::scenario::{
+    BooleanExpression, Claim, Column, Connection, Drive, Event, Formula, Instance, Margin, Port, RealExpression,
+    Scenario, Set, TickWindow,
+};
+use std::path::PathBuf;
+use unit::archive::{Unpacked, unpack};
+use unit::board::BoardLayout;
+
+/// Variables of the foreign unit.
+const U: usize = 0;
+const Y: usize = 2;
+const ENABLED: usize = 4;
+
+fn port(instance: usize, variable: usize) -> Port {
+    Port { instance, variable }
+}
+
+fn signal(instance: usize) -> RealExpression {
+    RealExpression::Signal(port(instance, Y))
+}
+
+/// Not below zero, in each way that a claim can wait for it.
+fn claims() -> Vec<Claim> {
+    let body = || Box::new(Formula::Margin(Margin { value: signal(1), strict: false }));
+    let window = |to| TickWindow { from: 0, to };
+    let within = Formula::Eventually(window(Some(20)), body());
+    let formulas = [
+        Formula::Always(window(None), body()),
+        Formula::Eventually(window(None), body()),
+        Formula::Always(window(None), Box::new(within)),
+        Formula::Always(window(None), Box::new(Formula::Eventually(window(None), body()))),
+    ];
+    let claim = |formula| Claim { name: String::new(), text: String::new(), line: 1, formula, unit: None, limit: None };
+    formulas.map(claim).to_vec()
+}
+
+/// Both arrows, a computed value, a window that opens and closes, claims and columns.
+fn scenario(ticks: u64) -> Scenario {
+    let instance = |name: &str, wave| Instance {
+        name: name.to_owned(),
+        unit: "foreign.fmu".to_owned(),
+        every: 1,
+        wave,
+        presets: Vec::new(),
+    };
+    let arrow = |target, source, direct| Connection { target: port(target, U), source, direct };
+    let computed = RealExpression::Affine { of: Box::new(signal(1)), factor: 0.5, offset: 1.0 };
+    let enabled = Set { target: port(0, ENABLED), value: Drive::Boolean(BooleanExpression::Constant(true)) };
+    let column = |(instance, variable)| Column { name: String::new(), port: port(instance, variable) };
+    Scenario {
+        title: String::new(),
+        step_ns: 1_000_000,
+        stop_tick: ticks,
+        parameters: Vec::new(),
+        instances: vec![instance("a", 0), instance("b", 1)],
+        initialization: Vec::new(),
+        connections: vec![arrow(0, Drive::Real(computed), false), arrow(1, Drive::Copy(port(0, Y)), true)],
+        events: vec![Event { from: 20, until: Some(40), sets: vec![enabled] }],
+        rises: Vec::new(),
+        claims: claims(),
+        columns: [(0, U), (0, Y), (1, Y), (0, ENABLED)].map(column).to_vec(),
+    }
+}
+
+/// Two instances of the foreign unit with all that a script can do, for so many ticks.
+pub(crate) fn plan(ticks: u64, unit: &Unpacked) -> Plan {
+    let (name, folder) = ("foreign.fmu".to_owned(), unit.folder.clone());
+    let (description, sha256) = (unit.description.clone(), unit.sha256.clone());
+    let units = vec![PlannedUnit { name, folder, description, sha256 }];
+    let (folder, board) = (PathBuf::new(), PathBuf::new());
+    let (scenario, unit_of) = (scenario(ticks), vec![0, 0]);
+    let (saves, from, log_calls) = (Vec::new(), None, Vec::new());
+    Plan {
+        scenario,
+        units,
+        unit_of,
+        folder,
+        board,
+        fail_fast: true,
+        record: true,
+        live: false,
+        pace: None,
+        saves,
+        from,
+        log_calls,
+    }
+}
+
+#[test]
+fn a_long_flight_asks_for_memory_as_often_as_a_short_one() {
+    let (folder, fmu) = Foreign::default().build();
+    let unpacked = unpack(&fmu, &folder.path().join("unpacked")).unwrap();
+    let allocations = |ticks| {
+        let plan = plan(ticks, &unpacked);
+        let layout = BoardLayout { notes: 1, columns: plan.scenario.columns.len(), claims: plan.scenario.claims.len() };
+        let board = Arc::new(Board::private(&layout).unwrap());
+        let wiring = wire(&plan, &[0, 0]);
+        let worker =
+            InProcess::new(wiring.step_ns, &wiring.groups, &wiring.members, boarded(&plan, &board), board.note(0));
+        let mut run = step_loop(&plan, &board, wiring, vec![Box::new(worker)]);
+        let mut finish = None;
+        let count = allocation_counter::measure(|| finish = run.run(None).ok()).count_total;
+        assert_eq!(finish, Some(Finish { last_tick: ticks, reason: Reason::StopTime }));
+        assert_eq!(board.pop_rows(|_, _| ()) as u64, ticks + 1);
+        count
+    };
+    assert_eq!(allocations(10_000), allocations(100));
+}
+
+fn boarded(plan: &Plan, board: &Arc<Board>) -> Vec<Seating> {
+    let mut aboard = Vec::new();
+    board_all(plan, board, &mut aboard).unwrap();
+    aboard
+}
