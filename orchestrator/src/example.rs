@@ -6,7 +6,6 @@ use fmi2::description::{
     Variable,
 };
 use results::run_record::{HashedFile, Host, RunRecord, RunState};
-use results::verdict::{ClaimInfo, Limit, MarginUnit, Standing, Verdict};
 
 /// A scenario of one quadcopter.
 pub fn scenario() -> Scenario {
@@ -36,22 +35,6 @@ pub fn scenario() -> Scenario {
 pub fn claim(name: &str, text: &str) -> Claim {
     let formula = Formula::Condition(BooleanExpression::Constant(true));
     Claim { name: name.to_owned(), text: text.to_owned(), line: 34, formula, unit: None, limit: None }
-}
-
-/// What reports say of a claim.
-pub fn claim_info(name: &str, text: &str, unit: Option<(&str, f64)>, limit: Option<(f64, bool)>) -> ClaimInfo {
-    ClaimInfo {
-        name: name.to_owned(),
-        text: text.to_owned(),
-        line: 34,
-        unit: unit.map(|(name, factor)| MarginUnit { name: name.to_owned(), factor }),
-        limit: limit.map(|(value, upper)| Limit { value, upper }),
-    }
-}
-
-/// How a claim stands.
-pub fn standing(verdict: Verdict, margin: f64, worst_tick: u64) -> Standing {
-    Standing { verdict, margin, worst_tick }
 }
 
 /// The record of a run that has begun.

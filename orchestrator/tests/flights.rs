@@ -1,4 +1,4 @@
-//! Whole flights of a foreign unit in C, from the plan to the board, in this process.
+//! Whole flights of a foreign unit in C, from the spec to the board, in this process.
 #![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
 
 use dsl::scenario::{
@@ -6,7 +6,7 @@ use dsl::scenario::{
 };
 use fmi2::calls::Call;
 use orchestrator::run::message::{Finish, Message, Reason};
-use orchestrator::run::run_spec::{Plan, PlannedUnit};
+use orchestrator::run::run_spec::{RunSpec, UnitSpec};
 use orchestrator::run::stepping;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -66,15 +66,15 @@ fn scenario() -> Scenario {
     }
 }
 
-struct Flown {
+struct Ran {
     rows: Vec<Vec<u64>>,
     end: Message,
 }
 
-fn fly(scenario: Scenario, foreign: &Foreign) -> Flown {
+fn step_run(scenario: Scenario, foreign: &Foreign) -> Ran {
     let (folder, fmu) = foreign.build();
     let unpacked = unpack(&fmu, &folder.path().join("unpacked")).unwrap();
-    let unit = PlannedUnit {
+    let unit = UnitSpec {
         name: "foreign.fmu".to_owned(),
         folder: unpacked.folder,
         description: unpacked.description,
@@ -83,7 +83,7 @@ fn fly(scenario: Scenario, foreign: &Foreign) -> Flown {
     let layout = BoardLayout { notes: 1, columns: scenario.columns.len(), claims: 0 };
     let unit_of = vec![0; scenario.instances.len()];
     let (folder, board) = (PathBuf::new(), PathBuf::new());
-    let plan = Plan {
+    let spec = RunSpec {
         scenario,
         units: vec![unit],
         unit_of,
@@ -98,42 +98,42 @@ fn fly(scenario: Scenario, foreign: &Foreign) -> Flown {
         log_calls: vec![],
     };
     let board = Arc::new(Board::private(&layout).unwrap());
-    stepping::fly(&plan, &board);
+    stepping::step_run(&spec, &board);
     let (mut rows, mut messages) = (Vec::new(), Vec::new());
     board.pop_rows(|_, row| rows.push(row.to_vec()));
     board.pop_messages(|bytes| messages.push(postcard::from_bytes::<Message>(bytes).unwrap()));
     // Units that are freed after a break may still say something.
     messages.retain(|message| !matches!(message, Message::Log(_)));
     assert_eq!(messages.len(), 1, "a run ends once");
-    Flown { rows, end: messages.pop().unwrap() }
+    Ran { rows, end: messages.pop().unwrap() }
 }
 
-fn misbehaving(call: &str, how: &str, from_s: f64) -> Flown {
+fn misbehaving(call: &str, how: &str, from_s: f64) -> Ran {
     let defines = [("CALL", call.to_owned()), ("HOW", how.to_owned()), ("FROM_S", from_s.to_string())];
     let defines = defines.map(|(name, value)| format!("MISBEHAVE_{name}={value}"));
-    fly(scenario(), &Foreign { defines: &defines.each_ref().map(String::as_str), ..Foreign::default() })
+    step_run(scenario(), &Foreign { defines: &defines.each_ref().map(String::as_str), ..Foreign::default() })
 }
 
 #[test]
 fn two_foreign_units_fly_as_their_equations_say_bit_for_bit() {
-    let flown = fly(scenario(), &Foreign::default());
-    assert_eq!(flown.end, Message::Finished(Finish { last_tick: 10, reason: Reason::StopTime }));
+    let ran = step_run(scenario(), &Foreign::default());
+    assert_eq!(ran.end, Message::Finished(Finish { last_tick: 10, reason: Reason::StopTime }));
     let (mut a, mut b) = (0.0, 0.0);
-    for (tick, row) in flown.rows.iter().enumerate() {
+    for (tick, row) in ran.rows.iter().enumerate() {
         let open = (2..4).contains(&tick);
         let u: f64 = if open { 3.0 } else { 1.0 };
         let expected = [u.to_bits(), f64::to_bits(a), f64::to_bits(b), tick as u64, u64::from(open)];
         assert_eq!(row, &expected, "row {tick}");
         (a, b) = (a + STEP_S * (2.0 * u - a), b + STEP_S * (a - b));
     }
-    assert_eq!(flown.rows.len(), 11);
+    assert_eq!(ran.rows.len(), 11);
 }
 
 #[test]
 fn a_unit_that_is_done_within_a_step_leaves_the_row_before() {
-    let flown = misbehaving("STEP", "TERMINATED", 2.0);
-    assert_eq!(flown.end, Message::Finished(Finish { last_tick: 4, reason: Reason::Terminated(0) }));
-    assert_eq!(flown.rows.len(), 5);
+    let ran = misbehaving("STEP", "TERMINATED", 2.0);
+    assert_eq!(ran.end, Message::Finished(Finish { last_tick: 4, reason: Reason::Terminated(0) }));
+    assert_eq!(ran.rows.len(), 5);
 }
 
 #[test]
@@ -150,10 +150,10 @@ fn what_breaks_a_flight_is_named_and_the_rows_before_are_kept() {
         ("ENTER", "ERROR_STATUS", 0.0, Doing::Call(Call::EnterInitializationMode), 0.0, Cause::Status(3), 0),
         ("INSTANTIATE", "NO_INSTANCE", 0.0, Doing::Call(Call::Instantiate), 0.0, Cause::NoInstance, 0),
     ] {
-        let flown = misbehaving(call, how, from_s);
-        let Message::Broken(failure) = flown.end else { panic!("{call} {how} ended with {:?}", flown.end) };
+        let ran = misbehaving(call, how, from_s);
+        let Message::Broken(failure) = ran.end else { panic!("{call} {how} ended with {:?}", ran.end) };
         assert_eq!(failure.instance.as_deref(), Some("a"), "{call} {how}");
         assert_eq!((failure.doing, failure.time_s, failure.cause), (doing, Some(time_s), cause), "{call} {how}");
-        assert_eq!(flown.rows.len(), rows, "{call} {how}");
+        assert_eq!(ran.rows.len(), rows, "{call} {how}");
     }
 }

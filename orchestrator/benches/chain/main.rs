@@ -13,8 +13,8 @@ mod peer;
 
 use orchestrator::flatten::claims::Claims;
 use orchestrator::flatten::wiring::Wiring;
-use orchestrator::run::step_loop::{Checkpoint, StepLoop, Wishes, Witness};
-use orchestrator::run::worker::{InProcess, Seating, Worker};
+use orchestrator::run::step_loop::{Checkpoint, LoopOptions, Observer, StepLoop};
+use orchestrator::run::worker::{InProcess, Instantiated, Worker};
 use peer::table::{Row, Table, alternate};
 use peer::{Unit, told};
 use results::verdict::Standing;
@@ -53,10 +53,10 @@ fn by_loop(unit: &Unit, units: usize, ticks: u64) -> Result<Duration, Box<dyn Er
     let wiring = Wiring::new(&scenario, &vec![&unit.description; units], &vec![0; units]);
     let claims = Claims::new(&[], ticks, &mut |port| wiring.place(port));
     let seatings = unit.instances(units)?.into_iter().enumerate();
-    let seatings = seatings.map(|(index, instance)| Seating { index, instance }).collect();
+    let seatings = seatings.map(|(index, instance)| Instantiated { index, instance }).collect();
     let worker: Box<dyn Worker> =
-        Box::new(InProcess::new(wiring.step_ns, &wiring.groups, &wiring.members, seatings, unit.board.note(0)));
-    let mut run = StepLoop::new(wiring, claims, vec![worker], Wishes::default(), Nobody { board: &unit.board });
+        Box::new(InProcess::new(wiring.step_ns, &wiring.groups, &wiring.ports, seatings, unit.board.note(0)));
+    let mut run = StepLoop::new(wiring, claims, vec![worker], LoopOptions::default(), Nobody { board: &unit.board });
     let begun = Instant::now();
     let finish = run.run(None);
     let took = begun.elapsed();
@@ -69,7 +69,7 @@ struct Nobody<'a> {
     board: &'a Board,
 }
 
-impl Witness for Nobody<'_> {
+impl Observer for Nobody<'_> {
     fn reached(&mut self, tick: u64) {
         self.board.set_tick(tick);
     }

@@ -16,15 +16,15 @@ use zenoh::{Config, Session, Wait};
 
 /// Blocking sockets.
 pub const RAW: &str = "raw";
-/// zenoh, a put and a callback each way.
+/// zenoh, a put and a callback each handle.
 pub const BARE: &str = "bare";
 /// The longest that a link of low latency is given at once.
 const PIECE: usize = 40 << 10;
 
-/// A way to one process and back.
+/// A handle to one process and back.
 enum Line {
     Raw(UnixStream),
-    Bare { _session: Session, to: Publisher<'static>, _from: Subscriber<()>, heard: Receiver<ZBytes> },
+    Bare { _session: Session, to: Publisher<'static>, _from: Subscriber<()>, event: Receiver<ZBytes> },
 }
 
 /// Processes that send back what they get.
@@ -45,7 +45,7 @@ impl Echoes {
         let length = bytes.to_string();
         let start = |number| Command::new(&program).args(["echo", kind, &length]).arg(place(number)).spawn();
         let children = (0..count).map(start).collect::<Result<_, _>>()?;
-        let dial = |number| {
+        let connect = |number| {
             while !place(number).exists() {
                 sleep(Duration::from_millis(1));
             }
@@ -56,7 +56,7 @@ impl Echoes {
                 call(&place(number))
             }
         };
-        let lines = (0..count).map(dial).collect::<Result<_, Box<dyn Error>>>()?;
+        let lines = (0..count).map(connect).collect::<Result<_, Box<dyn Error>>>()?;
         Ok(Self { children, lines, message: vec![7; bytes], buffer: vec![0; bytes], _home: home })
     }
 
@@ -73,7 +73,7 @@ impl Echoes {
             for line in &mut self.lines {
                 match line {
                     Line::Raw(stream) => stream.read_exact(&mut self.buffer)?,
-                    Line::Bare { heard, .. } => join(&heard.recv()?, heard, &mut self.buffer)?,
+                    Line::Bare { event, .. } => join(&event.recv()?, event, &mut self.buffer)?,
                 }
             }
         }
@@ -102,24 +102,24 @@ pub fn serve(kind: &str, bytes: usize, place: &Path) -> Result<(), Box<dyn Error
         return Ok(());
     }
     let session = open("peer", "listen", place)?;
-    let (heard_here, heard) = channel();
+    let (heard_here, event) = channel();
     let _from = subscribe(&session, "echo/do", heard_here)?;
     let to = publish(&session, "echo/done")?;
     let mut message = vec![0; bytes];
     loop {
         // Whoever calls asks first, by single bytes.
-        let first = heard.recv()?;
+        let first = event.recv()?;
         if first.len() == 1 {
             to.put(first).wait().map_err(|error| error.to_string())?;
         } else {
-            join(&first, &heard, &mut message)?;
+            join(&first, &event, &mut message)?;
             put(&to, &message)?;
         }
     }
 }
 
 /// Waits for the rest of a message.
-fn join(first: &ZBytes, heard: &Receiver<ZBytes>, message: &mut [u8]) -> Result<(), Box<dyn Error>> {
+fn join(first: &ZBytes, event: &Receiver<ZBytes>, message: &mut [u8]) -> Result<(), Box<dyn Error>> {
     let mut filled = 0;
     let mut add = |piece: &ZBytes| {
         message[filled..filled + piece.len()].copy_from_slice(&piece.to_bytes());
@@ -128,7 +128,7 @@ fn join(first: &ZBytes, heard: &Receiver<ZBytes>, message: &mut [u8]) -> Result<
     };
     let mut is_more = add(first);
     while is_more {
-        is_more = add(&heard.recv()?);
+        is_more = add(&event.recv()?);
     }
     Ok(())
 }
@@ -141,15 +141,15 @@ fn put(to: &Publisher<'static>, message: &[u8]) -> Result<(), Box<dyn Error>> {
 
 fn call(place: &Path) -> Result<Line, Box<dyn Error>> {
     let session = open("client", "connect", place)?;
-    let (heard_here, heard) = channel();
+    let (heard_here, event) = channel();
     let from = subscribe(&session, "echo/done", heard_here)?;
     let to = publish(&session, "echo/do")?;
     // A put that nobody hears succeeds: it is repeated until it comes back, and what came back too often is thrown away.
-    while heard.recv_timeout(Duration::from_millis(100)).is_err() {
+    while event.recv_timeout(Duration::from_millis(100)).is_err() {
         to.put([1]).wait().map_err(|error| error.to_string())?;
     }
-    while heard.recv_timeout(Duration::from_millis(200)).is_ok() {}
-    Ok(Line::Bare { _session: session, to, _from: from, heard })
+    while event.recv_timeout(Duration::from_millis(200)).is_ok() {}
+    Ok(Line::Bare { _session: session, to, _from: from, event })
 }
 
 fn open(mode: &str, direction: &str, place: &Path) -> Result<Session, Box<dyn Error>> {

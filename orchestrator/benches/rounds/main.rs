@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p orchestrator --bench rounds` orders a step of so many workers, each in a process of its own with a unit
 //! that does nothing, and awaits all replies. In turn with that, processes that send back what they get: over blocking
-//! sockets of the same kind, and over zenoh sessions with the same settings, a put and a callback each way for each piece
+//! sockets of the same kind, and over zenoh sessions with the same settings, a put and a callback each handle for each piece
 //! that such a link takes. Messages have the same length everywhere. Reported is the time of one round of all workers.
 #![expect(clippy::print_stdout, reason = "this is what a benchmark is for")]
 
@@ -13,11 +13,11 @@ mod echo;
 mod peer;
 
 use echo::Echoes;
-use orchestrator::bus::Crew;
+use orchestrator::bus::WorkerSet;
 use orchestrator::flatten::wiring::Wiring;
 use orchestrator::run::message::MessageSink;
-use orchestrator::run::run_spec::{Plan, PlannedUnit};
-use orchestrator::run::worker::{Leaving, Order, Worker};
+use orchestrator::run::run_spec::{RunSpec, UnitSpec};
+use orchestrator::run::worker::{Order, Shutdown, Worker};
 use peer::table::{Table, alternate};
 use peer::{Unit, told};
 use std::error::Error;
@@ -49,13 +49,13 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn rows(table: &Table, ports: usize, workers: usize, beside_raw: f64) -> Result<(), Box<dyn Error>> {
     let unit = Unit::in_c(ports)?;
-    let plan = plan(&unit, workers);
+    let spec = spec(&unit, workers);
     let bytes = AROUND + 8 * ports;
     let each = |row: peer::table::Row| row.each(ROUNDS);
     let name = |peer: &str| format!("{workers} workers, {bytes} B each way, beside {peer}");
     for (peer, kind, limit) in [("raw sockets", echo::RAW, beside_raw), ("bare zenoh", echo::BARE, 1.25)] {
         let measure = || {
-            let mut ours = Rounds::begin(&plan, &unit, workers)?;
+            let mut ours = Rounds::begin(&spec, &unit, workers)?;
             let mut echoes = Echoes::start(kind, workers, bytes)?;
             let row = alternate(BLOCKS, || ours.block(), || echoes.block(ROUNDS))?;
             ours.end()?;
@@ -75,14 +75,14 @@ struct Rounds<'a> {
 }
 
 impl<'a> Rounds<'a> {
-    fn begin(plan: &'a Plan, unit: &Unit, count: usize) -> Result<Self, Box<dyn Error>> {
+    fn begin(spec: &'a RunSpec, unit: &Unit, count: usize) -> Result<Self, Box<dyn Error>> {
         let home = tempfile::tempdir()?;
         let worker_of: Vec<_> = (0..count).collect();
-        let wiring = Wiring::new(&plan.scenario, &vec![&unit.description; count], &worker_of);
+        let wiring = Wiring::new(&spec.scenario, &vec![&unit.description; count], &worker_of);
         let program = Path::new(env!("CARGO_BIN_EXE_lockstep"));
-        let crew = Crew::start(program, home.path(), count, Some(Duration::from_secs(10)))?;
+        let workers = WorkerSet::start(program, home.path(), count, Some(Duration::from_secs(10)))?;
         let sink: MessageSink = Arc::new(|_| {});
-        let mut workers = crew.enlist(plan, &wiring, &sink).map_err(told)?;
+        let mut workers = workers.initialize(spec, &wiring, &sink).map_err(told)?;
         let mut outputs = wiring.outputs.clone();
         for worker in &mut workers {
             worker.start(&mut outputs).map_err(|lost| told(lost.failure))?;
@@ -108,19 +108,19 @@ impl<'a> Rounds<'a> {
     }
 
     fn end(mut self) -> Result<(), Box<dyn Error>> {
-        let finish = |worker: &mut Box<dyn Worker + 'a>| worker.finish(self.tick, Leaving::InPeace);
+        let finish = |worker: &mut Box<dyn Worker + 'a>| worker.finish(self.tick, Shutdown::Orderly);
         self.workers.iter_mut().try_for_each(finish).map_err(|lost| told(lost.failure))
     }
 }
 
 /// So many instances whose inputs and outputs all travel.
-fn plan(unit: &Unit, count: usize) -> Plan {
+fn spec(unit: &Unit, count: usize) -> RunSpec {
     // Each is fed by the next, the last by the first.
     let scenario = unit.linked(count, u64::MAX, (0..count).map(|target| ((target + 1) % count, target)));
     let (description, sha256) = (unit.description.clone(), String::new());
-    let units = vec![PlannedUnit { name: peer::UNIT.to_owned(), folder: unit.folder(), description, sha256 }];
+    let units = vec![UnitSpec { name: peer::UNIT.to_owned(), folder: unit.folder(), description, sha256 }];
     let (folder, board) = (unit.folder(), unit.folder().join("board"));
-    Plan {
+    RunSpec {
         scenario,
         units,
         unit_of: vec![0; count],

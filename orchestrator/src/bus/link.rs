@@ -42,7 +42,7 @@ const READY: &str = "lockstep/alive/worker";
 
 /// What the other end did.
 #[derive(Debug)]
-pub enum Heard {
+pub enum LinkEvent {
     /// It sent a message.
     Message(Vec<u8>),
     /// It hears what is sent now.
@@ -57,7 +57,7 @@ pub struct Link {
     session: Session,
     publisher: Arc<Publisher<'static>>,
     _subscriptions: Vec<Subscriber<()>>,
-    heard: Receiver<Heard>,
+    events: Receiver<LinkEvent>,
 }
 
 impl Drop for Link {
@@ -81,7 +81,7 @@ impl Link {
     ///
     /// # Errors
     /// What could not be done within this time.
-    pub fn dial(socket: &Path, run: &str, patience: Duration) -> Result<Self, String> {
+    pub fn connect(socket: &Path, run: &str, patience: Duration) -> Result<Self, String> {
         let connect = format!(
             "connect: {{ endpoints: [{}], timeout_ms: {}, exit_on_failure: true, \
              retry: {{ period_init_ms: 5, period_max_ms: 50, period_increase_factor: 2 }} }}",
@@ -89,10 +89,10 @@ impl Link {
             patience.as_millis()
         );
         let session = open("client", &connect).map_err(|reason| format!("its worker cannot be reached: {reason}"))?;
-        let (sender, heard) = channel();
+        let (sender, events) = channel();
         let replies = subscribe(&session, &format!("lockstep/{run}/done"), message_to(&sender));
         let ready = move |sample: Sample| {
-            let heard = if sample.kind() == SampleKind::Put { Heard::Ready } else { Heard::Gone };
+            let heard = if sample.kind() == SampleKind::Put { LinkEvent::Ready } else { LinkEvent::Gone };
             // Nobody listens any more once the run is over.
             let _ = sender.send(heard);
         };
@@ -101,7 +101,7 @@ impl Link {
         match (replies, ready, publisher) {
             (Some(replies), Some(ready), Some(publisher)) => {
                 let (publisher, subscriptions) = (Arc::new(publisher), vec![replies, ready]);
-                Ok(Self { session, publisher, _subscriptions: subscriptions, heard })
+                Ok(Self { session, publisher, _subscriptions: subscriptions, events })
             }
             _ => Err("its worker hung up".to_owned()),
         }
@@ -141,8 +141,8 @@ impl Link {
 
     /// What the other end does, in order.
     #[must_use]
-    pub fn heard(&self) -> &Receiver<Heard> {
-        &self.heard
+    pub fn events(&self) -> &Receiver<LinkEvent> {
+        &self.events
     }
 }
 
@@ -206,11 +206,11 @@ fn named((key, message): (String, Vec<u8>)) -> (String, Vec<u8>) {
     (run.to_owned(), message)
 }
 
-fn message_to(sender: &Sender<Heard>) -> impl Fn(Sample) + Send + Sync + 'static + use<> {
+fn message_to(sender: &Sender<LinkEvent>) -> impl Fn(Sample) + Send + Sync + 'static + use<> {
     let sender = sender.clone();
     joined(move |_, message| {
         // Nobody listens any more once the run is over.
-        let _ = sender.send(Heard::Message(message));
+        let _ = sender.send(LinkEvent::Message(message));
     })
 }
 
@@ -315,8 +315,8 @@ mod tests {
         };
         let subscription = subscribe(&peer, "lockstep/*/do", callback).unwrap();
         let token = peer.liveliness().declare_token(READY).wait().unwrap();
-        let link = Link::dial(&socket, "run", Duration::from_secs(5)).unwrap();
-        assert!(matches!(link.heard().recv(), Ok(Heard::Ready)));
+        let link = Link::connect(&socket, "run", Duration::from_secs(5)).unwrap();
+        assert!(matches!(link.events().recv(), Ok(LinkEvent::Ready)));
         (link, heard, (peer, subscription, token, folder))
     }
 

@@ -17,5 +17,5 @@ pub mod watch;
 pub mod wire;
 mod worker;
 
-pub use coordinator::{Crew, Fleet, SUBCOMMAND, start_isolated};
+pub use coordinator::{SUBCOMMAND, WorkerProcesses, WorkerSet, start_isolated};
 pub use worker::{Address, serve};

@@ -18,8 +18,8 @@ mod tests;
 pub use session::{ANY_LOCAL_PORT, ListenError, Listening};
 
 use crate::bus::link::run_name;
-use crate::host::supervise::Audience;
-use crate::run::run_spec::Plan;
+use crate::host::supervise::LiveObserver;
+use crate::run::run_spec::RunSpec;
 use publisher::Publisher;
 use results::report::status;
 use results::run_record::RunState;
@@ -107,12 +107,12 @@ impl Watch {
     ///
     /// # Errors
     /// The session is closed.
-    pub fn new(listening: Listening, plan: &Plan, rate: Rate) -> Result<Self, ListenError> {
-        let columns = plan.scenario.columns.len();
+    pub fn new(listening: Listening, spec: &RunSpec, rate: Rate) -> Result<Self, ListenError> {
+        let columns = spec.scenario.columns.len();
         let rows = Mutex::new(Rows::new(columns, rate.room(columns)));
         let shared = Arc::new(Shared { rows, watched: AtomicUsize::new(0), board: OnceLock::new() });
         let run = run_name();
-        let publisher = Publisher::new(&listening, Arc::clone(&shared), rate, run.clone(), plan)
+        let publisher = Publisher::new(&listening, Arc::clone(&shared), rate, run.clone(), spec)
             .map_err(|error| ListenError::new(listening.endpoint(), &error))?;
         let (ending, end) = mpsc::channel();
         let (tell, dropped) = mpsc::channel();
@@ -127,7 +127,7 @@ impl Watch {
     }
 }
 
-impl Audience for Watch {
+impl LiveObserver for Watch {
     fn begin(&mut self, board: &Arc<Board>) {
         let begun = self.shared.board.set(Arc::clone(board));
         assert!(begun.is_ok(), "a run begins once");

@@ -1,10 +1,10 @@
 //! What travels: messages as bytes, little endian, read by total functions; header and blocks need no memory but their own.
 //!
 //! ```text
-//!  0 u32 "LKS1"   4 u16 kind   6 u16 group   8 u64 schema   16 u64 sequence   24 u64 tick   32 u32 blocks   36 u32 aside
+//!  0 u32 "LKS1"   4 u16 kind   6 u16 group   8 u64 schema   16 u64 sequence   24 u64 tick   32 u32 blocks   36 u32 extras
 //! block: u32 instance · u32 zero · u32 n_real · u32 n_int · u32 n_bool · u32 n_string
 //!        f64 × n_real · i32 × n_int · u8 × n_bool, 0 or 1 · zeros up to 8 · n_string × (u32 length, UTF-8) · zeros up to 8
-//! aside: so many bytes at the end, what an order or reply says besides its blocks
+//! extras: so many bytes at the end, what an order or reply says besides its blocks
 //! ```
 //!
 //! A block is always complete, so any message can be read alone. Its layout is that of the instance's [`Ports`]; that
@@ -22,13 +22,13 @@ use std::fmt;
 const MAGIC: u32 = u32::from_le_bytes(*b"LKS1");
 const HEADER_BYTES: usize = 40;
 const BLOCKS_AT: usize = 32;
-const ASIDE_AT: usize = 36;
+const EXTRAS_AT: usize = 36;
 
 /// What a message is. Replies have the number of their order and 16.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Kind {
-    /// Who calls: the aside is JSON, so that any version can read it.
+    /// Who calls: the extras is JSON, so that any version can read it.
     Hello = 1,
     /// Which instances, of which units, with which ports.
     Open = 2,
@@ -94,7 +94,7 @@ pub struct Header {
     pub group: u16,
     /// The layout of blocks that both sides agreed on; zero before they did.
     pub schema: u64,
-    /// Orders to one worker are counted from 0; a reply repeats the number of its order.
+    /// SuperviseRequest to one worker are counted from 0; a reply repeats the number of its order.
     pub sequence: u64,
     /// The tick at which the step begins, or that the run has reached.
     pub tick: u64,
@@ -130,10 +130,10 @@ impl Outgoing {
 
     /// Ends the message with what it says besides.
     #[must_use]
-    pub fn finish(mut self, aside: &[u8]) -> Vec<u8> {
-        self.bytes[BLOCKS_AT..ASIDE_AT].copy_from_slice(&self.blocks.to_le_bytes());
-        self.bytes[ASIDE_AT..HEADER_BYTES].copy_from_slice(&length(aside.len()).to_le_bytes());
-        self.bytes.extend(aside);
+    pub fn finish(mut self, extras: &[u8]) -> Vec<u8> {
+        self.bytes[BLOCKS_AT..EXTRAS_AT].copy_from_slice(&self.blocks.to_le_bytes());
+        self.bytes[EXTRAS_AT..HEADER_BYTES].copy_from_slice(&length(extras.len()).to_le_bytes());
+        self.bytes.extend(extras);
         self.bytes
     }
 }
@@ -151,7 +151,7 @@ pub struct Incoming<'a> {
     /// Its blocks.
     pub blocks: Blocks<'a>,
     /// What it says besides.
-    pub aside: &'a [u8],
+    pub extras: &'a [u8],
 }
 
 impl<'a> Incoming<'a> {
@@ -169,9 +169,9 @@ impl<'a> Incoming<'a> {
         }
         let kind = Kind::from_number(half(4)).ok_or(Malformed::Kind(half(4)))?;
         let header = Header { kind, group: half(6), schema: long(8), sequence: long(16), tick: long(24) };
-        let aside = usize::try_from(word(ASIDE_AT)).ok().and_then(|aside| rest.len().checked_sub(aside));
-        let (blocks, aside) = rest.split_at(aside.ok_or(Malformed::Short)?);
-        Ok(Self { header, blocks: Blocks::new(blocks, word(BLOCKS_AT)), aside })
+        let extras = usize::try_from(word(EXTRAS_AT)).ok().and_then(|extras| rest.len().checked_sub(extras));
+        let (blocks, extras) = rest.split_at(extras.ok_or(Malformed::Short)?);
+        Ok(Self { header, blocks: Blocks::new(blocks, word(BLOCKS_AT)), extras })
     }
 }
 
@@ -204,7 +204,7 @@ pub enum Malformed {
     /// Bytes, or whole blocks, that nobody asked for.
     LeftOver,
     /// What is said besides the blocks cannot be read.
-    Aside,
+    ReplyExtras,
 }
 
 impl fmt::Display for Malformed {
@@ -223,7 +223,7 @@ impl fmt::Display for Malformed {
             Self::Boolean(value) => write!(f, "a Boolean of {value}"),
             Self::Text => f.write_str("a text that is no UTF-8"),
             Self::LeftOver => f.write_str("more than was asked for"),
-            Self::Aside => f.write_str("words that cannot be read"),
+            Self::ReplyExtras => f.write_str("words that cannot be read"),
         }
     }
 }

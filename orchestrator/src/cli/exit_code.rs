@@ -1,7 +1,7 @@
 //! The exit codes of a run, which scripts and CI systems rely on, and how a run comes to its own.
 
 use crate::find::preparation::Refusal;
-use crate::host::execution::{Manner, Outcome, ReadyRun, carry_out};
+use crate::host::execution::{HostOptions, ReadyRun, RunOutcome, carry_out};
 use crate::host::supervise::SuperviseError;
 use results::TraceError;
 use results::report;
@@ -23,8 +23,8 @@ const INTERRUPTED: u8 = 130;
 /// Carries out what is prepared, has its outcome told, and returns the exit code.
 pub(super) fn reached(
     ready: Result<ReadyRun, Refusal>,
-    manner: Manner,
-    tell: impl FnOnce(&Outcome) -> Result<(), TraceError>,
+    manner: HostOptions,
+    tell: impl FnOnce(&RunOutcome) -> Result<(), TraceError>,
 ) -> u8 {
     let ready = match ready {
         Ok(ready) => ready,

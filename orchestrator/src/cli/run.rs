@@ -4,9 +4,9 @@
 mod live;
 
 use super::exit_code;
-use crate::find::preparation::{self, CheckpointWishes, Refusal, Wanted, default_folder};
+use crate::find::preparation::{self, CheckpointOptions, PrepareOptions, Refusal, default_folder};
 use crate::find::script::Script;
-use crate::host::execution::{Manner, Outcome, ReadyRun};
+use crate::host::execution::{HostOptions, ReadyRun, RunOutcome};
 use crate::host::supervise::Placement;
 use results::report;
 use results::report::console::Style;
@@ -92,7 +92,7 @@ impl Run {
     #[must_use]
     pub fn run(&self) -> u8 {
         let (style, step_timeout) = (Style::fitting(self.progress.is_some()), self.step_timeout);
-        let manner = Manner { style, step_timeout, placement: self.placement() };
+        let manner = HostOptions { style, step_timeout, placement: self.placement() };
         exit_code::reached(self.prepare(), manner, |outcome| {
             self.tell(outcome);
             Ok(())
@@ -116,12 +116,12 @@ impl Run {
         #[cfg(feature = "bus")]
         let listening = self.live.listen()?;
         let out = self.out.clone().unwrap_or_else(|| default_folder(&self.script));
-        let wanted = Wanted {
+        let wanted = PrepareOptions {
             out,
             fail_fast: self.fail_fast,
             record: self.record.is_none(),
             pace: self.pace,
-            checkpoints: CheckpointWishes { saves: self.saves()?, from: self.from.clone() },
+            checkpoints: CheckpointOptions { saves: self.saves()?, from: self.from.clone() },
             log_calls: self.log_fmi_calls.clone(),
             files: Vec::new(),
         };
@@ -144,7 +144,7 @@ impl Run {
         pairs.iter().map(save).collect()
     }
 
-    fn tell(&self, outcome: &Outcome) {
+    fn tell(&self, outcome: &RunOutcome) {
         let verdict = &outcome.verdict;
         if self.json {
             report::result(&verdict.json());

@@ -6,8 +6,8 @@ mod input_file;
 mod start_values;
 
 use super::exit_code;
-use crate::find::preparation::{self, CheckpointWishes, Refusal, Wanted};
-use crate::host::execution::{Manner, Outcome, ReadyRun};
+use crate::find::preparation::{self, CheckpointOptions, PrepareOptions, Refusal};
+use crate::host::execution::{HostOptions, ReadyRun, RunOutcome};
 use crate::host::supervise::Placement;
 use crate::run::prepared_run::PreparedRun;
 use alone::Alone;
@@ -64,7 +64,7 @@ impl Simulate {
     #[must_use]
     pub fn run(&self) -> u8 {
         let (style, placement) = (Style::fitting(false), Placement::Together);
-        let manner = Manner { style, step_timeout: self.step_timeout, placement };
+        let manner = HostOptions { style, step_timeout: self.step_timeout, placement };
         exit_code::reached(self.prepare().map(ReadyRun::from), manner, |outcome| self.tell(outcome))
     }
 
@@ -94,8 +94,8 @@ impl Simulate {
             let message = format!("--output {} lies in the folder of the results", output.display());
             return Err(Refusal::new(&message, Some("their rows are in its trace.csv anyway; name a file elsewhere")));
         }
-        let (checkpoints, log_calls) = (CheckpointWishes::default(), Vec::new());
-        let wanted = Wanted { out, fail_fast: false, record: true, pace: None, checkpoints, log_calls, files };
+        let (checkpoints, log_calls) = (CheckpointOptions::default(), Vec::new());
+        let wanted = PrepareOptions { out, fail_fast: false, record: true, pace: None, checkpoints, log_calls, files };
         preparation::prepare(script, wanted)
     }
 
@@ -110,7 +110,7 @@ impl Simulate {
         Ok((curves, file))
     }
 
-    fn tell(&self, outcome: &Outcome) -> Result<(), TraceError> {
+    fn tell(&self, outcome: &RunOutcome) -> Result<(), TraceError> {
         if let Some(output) = &self.output {
             let copied = std::fs::copy(outcome.folder.path().join(TRACE_CSV), output);
             copied.map_err(TraceError::io("write", output))?;

@@ -2,12 +2,12 @@
 
 mod checkpoints;
 
-pub use checkpoints::CheckpointWishes;
+pub use checkpoints::CheckpointOptions;
 
 use crate::find::catalogue::Catalogue;
 use crate::find::script::Script;
 use crate::run::prepared_run::PreparedRun;
-use crate::run::run_spec::{HOME_PREFIX, Plan, PlannedSave, PlannedUnit};
+use crate::run::run_spec::{HOME_PREFIX, RunSpec, SaveSpec, UnitSpec};
 use checkpoints::{Candidate, Checkpoints};
 use dsl::nearest::nearest;
 use dsl::scenario::{Scenario, Value};
@@ -27,7 +27,7 @@ const FINDINGS_TOLD: usize = 3;
 
 /// What a run is asked for besides its script.
 #[derive(Clone, Debug)]
-pub struct Wanted {
+pub struct PrepareOptions {
     /// Where the results go.
     pub out: PathBuf,
     /// End as soon as a claim is lost.
@@ -37,7 +37,7 @@ pub struct Wanted {
     /// Simulated seconds for each second of the wall clock, if it is not to run as fast as it can.
     pub pace: Option<f64>,
     /// What to save, and where to continue from.
-    pub checkpoints: CheckpointWishes,
+    pub checkpoints: CheckpointOptions,
     /// The names of the instances whose calls are logged.
     pub log_calls: Vec<String>,
     /// What the run reads besides what the script names.
@@ -70,7 +70,7 @@ pub fn catalogue(folders: &[PathBuf], build: bool) -> Result<Catalogue, Refusal>
 ///
 /// # Errors
 /// Whatever is wrong with the script, its units or the folder.
-pub fn prepare(mut script: Script, wanted: Wanted) -> Result<PreparedRun, Refusal> {
+pub fn prepare(mut script: Script, wanted: PrepareOptions) -> Result<PreparedRun, Refusal> {
     let rendered = script.rendered(std::io::stderr().is_terminal());
     let Some(scenario) = script.scenario.take() else { return Err(Refusal(rendered)) };
     if !rendered.is_empty() {
@@ -88,7 +88,7 @@ pub fn prepare(mut script: Script, wanted: Wanted) -> Result<PreparedRun, Refusa
     let (from, continued) = from.unzip();
     record.from = continued;
     let folder = RunFolder::claim(&wanted.out, &record).map_err(|error| Refusal::new(&error, error.help()))?;
-    let plan = Plan {
+    let spec = RunSpec {
         unit_of,
         scenario,
         folder: script.folder.canonicalize().unwrap_or_else(|_| script.folder.clone()),
@@ -97,21 +97,21 @@ pub fn prepare(mut script: Script, wanted: Wanted) -> Result<PreparedRun, Refusa
         record: wanted.record,
         live: false,
         pace: wanted.pace,
-        saves: planned_saves(&saving, home.path()),
+        saves: saves(&saving, home.path()),
         from,
         log_calls,
         units,
     };
-    Ok(PreparedRun { plan, saving, record, folder, home, script: script.name })
+    Ok(PreparedRun { spec, saving, record, folder, home, script: script.name })
 }
 
 /// A private file for each tick at which something is saved.
-fn planned_saves(saving: &Saving, home: &Path) -> Vec<PlannedSave> {
+fn saves(saving: &Saving, home: &Path) -> Vec<SaveSpec> {
     let ticks: BTreeSet<_> = saving.files.iter().map(|(tick, _)| *tick).collect();
-    ticks.into_iter().map(|tick| PlannedSave { tick, file: home.join(format!("checkpoint{tick}")) }).collect()
+    ticks.into_iter().map(|tick| SaveSpec { tick, file: home.join(format!("checkpoint{tick}")) }).collect()
 }
 
-fn unit_of(units: &[PlannedUnit], name: &str) -> usize {
+fn unit_of(units: &[UnitSpec], name: &str) -> usize {
     match units.iter().position(|unit| unit.name == name) {
         Some(unit) => unit,
         None => unreachable!("a resolved script has found all of its units"),
@@ -145,7 +145,7 @@ pub fn default_folder(script: &Path) -> PathBuf {
 }
 
 /// Unpacks each unit into a folder of its own; what the standard has against it is told and tolerated.
-fn unpack_all(script: &Script, home: &Path) -> Result<(Vec<PlannedUnit>, Vec<HashedFile>), Refusal> {
+fn unpack_all(script: &Script, home: &Path) -> Result<(Vec<UnitSpec>, Vec<HashedFile>), Refusal> {
     let mut units = Vec::new();
     let mut hashes = Vec::new();
     for (index, unit) in script.units.iter().enumerate() {
@@ -156,7 +156,7 @@ fn unpack_all(script: &Script, home: &Path) -> Result<(Vec<PlannedUnit>, Vec<Has
         }
         let Unpacked { folder, description, sha256, .. } = unpacked;
         hashes.push(HashedFile { name: unit.name.clone(), sha256: sha256.clone() });
-        units.push(PlannedUnit { name: unit.name.clone(), folder, description, sha256 });
+        units.push(UnitSpec { name: unit.name.clone(), folder, description, sha256 });
     }
     Ok((units, hashes))
 }

@@ -4,7 +4,7 @@
 //! allocates nothing. Next on the walk: `wiring.rs`, which places the signals that programs read.
 
 mod compile;
-pub use compile::Place;
+pub use compile::SlotOf;
 #[cfg(test)]
 mod tests;
 

@@ -11,16 +11,16 @@ mod row_layout;
 mod slot_table;
 
 pub use events::{Change, Effect, Override};
-pub use feed::{Computed, Feed, Run};
+pub use feed::{Computed, CopyRange, Feed};
 pub use groups::Group;
-pub use row_layout::RowPlan;
-pub use slot_table::{Member, Pick, Ports, Span};
+pub use row_layout::RowLayout;
+pub use slot_table::{InstancePorts, Ports, VariableRange, VariableSlot};
 
 use crate::flatten::expression::Program;
 use crate::flatten::values::{Slot, Values, start_value};
 use dsl::scenario::{InitialStep, Port, Scenario};
 use fmi2::description::ModelDescription;
-use slot_table::Places;
+use slot_table::SlotTable;
 use std::ops::Range;
 use unit::time::seconds;
 
@@ -32,7 +32,7 @@ pub struct Wiring {
     /// The tick at which the run ends.
     pub stop_tick: u64,
     /// The instances in the script's order.
-    pub members: Vec<Member>,
+    pub ports: Vec<InstancePorts>,
     /// What messages call the instances and their Real outputs.
     pub names: Vec<Names>,
     /// Instances that step and deliver together, by wave.
@@ -48,16 +48,16 @@ pub struct Wiring {
     /// Openings and closings of windows by tick.
     pub changes: Vec<Change>,
     /// How initialization carries values.
-    pub initialization: Vec<Turn>,
+    pub initialization: Vec<InitialCall>,
     /// The conditions of `rises`.
     pub rises: Vec<Program>,
     /// What a row is made of.
-    pub row: RowPlan,
+    pub row: RowLayout,
     /// The inputs before the first step: presets and declared start values.
     pub inputs: Values,
     /// Outputs that nobody has read yet.
     pub outputs: Values,
-    places: Places,
+    places: SlotTable,
 }
 
 /// Groups that step beside each other.
@@ -76,13 +76,13 @@ pub struct Wave {
 pub struct Names {
     /// Its name in the script.
     pub instance: String,
-    /// The names of its Real outputs, in the order of [`Member::outputs`].
+    /// The names of its Real outputs, in the order of [`InstancePorts::outputs`].
     pub reals: Vec<String>,
 }
 
 /// One turn of initialization.
 #[derive(Debug)]
-pub enum Turn {
+pub enum InitialCall {
     /// Computes these inputs of one instance and sets them.
     Set {
         /// The worker that holds the instance.
@@ -92,7 +92,7 @@ pub enum Turn {
         /// What brings them.
         feed: Feed,
         /// The inputs.
-        picks: Vec<Pick>,
+        picks: Vec<VariableSlot>,
     },
     /// Reads these variables of one instance.
     Get {
@@ -101,7 +101,7 @@ pub enum Turn {
         /// The instance.
         instance: usize,
         /// The variables.
-        picks: Vec<Pick>,
+        picks: Vec<VariableSlot>,
     },
 }
 
@@ -111,7 +111,7 @@ impl Wiring {
     #[must_use]
     pub fn new(scenario: &Scenario, descriptions: &[&ModelDescription], worker_of: &[usize]) -> Self {
         let (mut groups, waves) = groups::form(scenario, worker_of);
-        let mut places = Places::assign(scenario, descriptions, &mut groups);
+        let mut places = SlotTable::assign(scenario, descriptions, &mut groups);
         let mut inputs = places.inputs();
         for (port, slot) in places.input_slots() {
             let variable = &descriptions[port.instance].variables[port.variable];
@@ -135,17 +135,17 @@ impl Wiring {
         let waves = waves.into_iter().map(wave).collect();
         let initialization =
             scenario.initialization.iter().map(|step| turn(step, scenario, &places, worker_of)).collect();
-        let members = places.take_members();
+        let ports = places.take_members();
         let rises = scenario.rises.iter();
         let rises =
             rises.map(|condition| Program::compile_condition(condition, &mut |port| places.read(port))).collect();
         Self {
             step_ns: scenario.step_ns,
             stop_tick: scenario.stop_tick,
-            row: RowPlan::new(&scenario.columns, &places),
+            row: RowLayout::new(&scenario.columns, &places),
             outputs: places.outputs(),
-            names: names(scenario, descriptions, &members),
-            members,
+            names: names(scenario, descriptions, &ports),
+            ports,
             groups,
             waves,
             delayed,
@@ -172,26 +172,26 @@ impl Wiring {
     }
 }
 
-fn turn(step: &InitialStep, scenario: &Scenario, places: &Places, worker_of: &[usize]) -> Turn {
+fn turn(step: &InitialStep, scenario: &Scenario, places: &SlotTable, worker_of: &[usize]) -> InitialCall {
     match step {
         InitialStep::Set { instance, connections } => {
             let connections: Vec<_> = connections.iter().map(|&index| &scenario.connections[index]).collect();
             let picks = connections.iter().map(|arrow| places.pick_input(arrow.target)).collect();
             let feed = Feed::new(&connections, places);
-            Turn::Set { worker: worker_of[*instance], instance: *instance, feed, picks }
+            InitialCall::Set { worker: worker_of[*instance], instance: *instance, feed, picks }
         }
         InitialStep::Get { instance, variables } => {
             let port = |&variable| Port { instance: *instance, variable };
             let picks = variables.iter().map(|variable| places.pick_output(port(variable))).collect();
-            Turn::Get { worker: worker_of[*instance], instance: *instance, picks }
+            InitialCall::Get { worker: worker_of[*instance], instance: *instance, picks }
         }
     }
 }
 
-fn names(scenario: &Scenario, descriptions: &[&ModelDescription], members: &[Member]) -> Vec<Names> {
-    let of = |((instance, description), member): ((&dsl::scenario::Instance, &&ModelDescription), &Member)| {
+fn names(scenario: &Scenario, descriptions: &[&ModelDescription], ports: &[InstancePorts]) -> Vec<Names> {
+    let of = |((instance, description), ports): ((&dsl::scenario::Instance, &&ModelDescription), &InstancePorts)| {
         let name = |&variable: &usize| description.variables[variable].name.clone();
-        Names { instance: instance.name.clone(), reals: member.outputs.reals.variables.iter().map(name).collect() }
+        Names { instance: instance.name.clone(), reals: ports.outputs.reals.variables.iter().map(name).collect() }
     };
-    scenario.instances.iter().zip(descriptions).zip(members).map(of).collect()
+    scenario.instances.iter().zip(descriptions).zip(ports).map(of).collect()
 }

@@ -1,34 +1,34 @@
-//! The stepping process: takes its plan from standard input, flies it, and tells its parent by the board.
+//! The stepping process: takes its spec from standard input, flies it, and tells its parent by the board.
 //!
 //! Standard input stays open as long as the parent lives; when it closes, so does this process.
 
 use crate::host::orphan::end_when_orphaned;
-use crate::run::run_spec::Plan;
-use crate::run::stepping::fly;
+use crate::run::run_spec::RunSpec;
+use crate::run::stepping::step_run;
 use std::io::{self, Read};
 use std::sync::Arc;
 use unit::board::Board;
 
-/// A plan larger than this is none; checkpoints of many units may be large.
+/// A spec larger than this is none; checkpoints of many units may be large.
 const LONGEST_PLAN: u64 = 1 << 36;
 
-/// Flies the plan that stands on standard input. What comes of it stands on the board, also where the run breaks.
+/// Flies the spec that stands on standard input. What comes of it stands on the board, also where the run breaks.
 ///
 /// # Errors
-/// There is no plan, or the board that it names cannot be opened: then there is nobody to tell.
+/// There is no spec, or the board that it names cannot be opened: then there is nobody to tell.
 pub fn run() -> io::Result<()> {
-    let plan = read_plan(&mut io::stdin().lock())?;
-    let board = Arc::new(Board::open(&plan.board)?);
-    end_when_orphaned(plan.board.parent());
-    fly(&plan, &board);
+    let spec = read_plan(&mut io::stdin().lock())?;
+    let board = Arc::new(Board::open(&spec.board)?);
+    end_when_orphaned(spec.board.parent());
+    step_run(&spec, &board);
     Ok(())
 }
 
-/// Reads a plan: its length as 8 bytes, the lowest first, then the plan itself.
+/// Reads a spec: its length as 8 bytes, the lowest first, then the spec itself.
 ///
 /// # Errors
-/// The input ends early or holds no plan.
-pub fn read_plan(input: &mut impl Read) -> io::Result<Plan> {
+/// The input ends early or holds no spec.
+pub fn read_plan(input: &mut impl Read) -> io::Result<RunSpec> {
     let mut length = [0; 8];
     input.read_exact(&mut length)?;
     let length = u64::from_le_bytes(length);

@@ -2,10 +2,10 @@
 
 use crate::flatten::claims;
 use crate::flatten::columns;
-use crate::host::supervise::{Audience, Ended, Orders, Placement, SuperviseError, supervise};
+use crate::host::supervise::{LiveObserver, Placement, RunEnd, SuperviseError, SuperviseRequest, supervise};
 use crate::run::message::Reason;
 use crate::run::prepared_run::PreparedRun;
-use crate::run::run_spec::Plan;
+use crate::run::run_spec::RunSpec;
 use dsl::scenario::Scenario;
 use results::checkpoint::Saving;
 use results::recorder::Recorder;
@@ -21,7 +21,7 @@ use unit::time::seconds;
 
 /// How a run is looked after.
 #[derive(Clone, Copy, Debug)]
-pub struct Manner {
+pub struct HostOptions {
     /// How progress is told.
     pub style: Style,
     /// How long a call of a unit may take; zero waits for ever.
@@ -36,7 +36,7 @@ pub struct ReadyRun {
     /// The run.
     pub run: PreparedRun,
     /// What sees rows, progress and end besides the recorder.
-    pub observer: Option<Box<dyn Audience>>,
+    pub observer: Option<Box<dyn LiveObserver>>,
 }
 
 impl From<PreparedRun> for ReadyRun {
@@ -47,9 +47,9 @@ impl From<PreparedRun> for ReadyRun {
 
 /// A run that is over.
 #[derive(Debug)]
-pub struct Outcome {
+pub struct RunOutcome {
     /// How it ended.
-    pub ended: Ended,
+    pub ended: RunEnd,
     /// How its claims came out.
     pub verdict: VerdictFile,
     /// Where its files are.
@@ -62,7 +62,7 @@ pub struct Outcome {
     pub stop_s: f64,
 }
 
-impl Outcome {
+impl RunOutcome {
     /// The first line of the report.
     #[must_use]
     pub fn heading(&self) -> Heading<'_> {
@@ -75,40 +75,40 @@ impl Outcome {
 ///
 /// # Errors
 /// If the run could not be looked after, or its files not be written.
-pub fn carry_out(ready: ReadyRun, manner: Manner) -> Result<Outcome, SuperviseError> {
-    let ReadyRun { run, observer: mut audience } = ready;
-    let PreparedRun { plan, saving, mut record, mut folder, home: _home, script } = run;
-    let ended = look_after(&plan, &saving, &folder, audience.as_deref_mut(), manner);
-    if let Some(audience) = audience {
-        audience.end(ended.as_ref().map_or(RunState::Broken, run_state));
+pub fn carry_out(ready: ReadyRun, manner: HostOptions) -> Result<RunOutcome, SuperviseError> {
+    let ReadyRun { run, observer: mut live_observer } = ready;
+    let PreparedRun { spec, saving, mut record, mut folder, home: _home, script } = run;
+    let ended = look_after(&spec, &saving, &folder, live_observer.as_deref_mut(), manner);
+    if let Some(live_observer) = live_observer {
+        live_observer.end(ended.as_ref().map_or(RunState::Broken, run_state));
     }
     let ended = ended.inspect_err(|error| note_break(&mut folder, &mut record, error))?;
     if let Some(failure) = &ended.failure {
         report::error(failure, failure.help().as_deref());
     }
     let file_name = script.rsplit('/').next().unwrap_or(&script);
-    let end = end_text(&ended, &plan.scenario);
-    let verdict = verdict(&plan.scenario, &record, file_name, end, &ended);
+    let end = end_text(&ended, &spec.scenario);
+    let verdict = verdict(&spec.scenario, &record, file_name, end, &ended);
     record.end(run_state(&ended), verdict.time_s, ended.wall);
     record.broken = ended.failure.as_ref().map(Broken::from);
     leave(&mut folder, &mut record, &verdict).map_err(SuperviseError::Trace)?;
-    let stop_s = seconds(plan.scenario.stop_tick, plan.scenario.step_ns);
-    Ok(Outcome { ended, verdict, folder, script, from_s: plan.from_s(), stop_s })
+    let stop_s = seconds(spec.scenario.stop_tick, spec.scenario.step_ns);
+    Ok(RunOutcome { ended, verdict, folder, script, from_s: spec.from_s(), stop_s })
 }
 
 fn look_after(
-    plan: &Plan,
+    spec: &RunSpec,
     saving: &Saving,
     folder: &RunFolder,
-    audience: Option<&mut (dyn Audience + 'static)>,
-    manner: Manner,
-) -> Result<Ended, SuperviseError> {
+    live_observer: Option<&mut (dyn LiveObserver + 'static)>,
+    manner: HostOptions,
+) -> Result<RunEnd, SuperviseError> {
     let program = std::env::current_exe();
     let program = program.map_err(|error| SuperviseError::Start { doing: "find this program", error })?;
-    let recorder = begin_files(folder, plan).map_err(SuperviseError::Trace)?;
+    let recorder = begin_files(folder, spec).map_err(SuperviseError::Trace)?;
     let step_timeout = (!manner.step_timeout.is_zero()).then_some(manner.step_timeout);
-    let orders = Orders { plan, saving, program, step_timeout, placement: manner.placement };
-    supervise(&orders, recorder, audience, &mut Console::stderr(manner.style))
+    let request = SuperviseRequest { spec, saving, program, step_timeout, placement: manner.placement };
+    supervise(&request, recorder, live_observer, &mut Console::stderr(manner.style))
 }
 
 /// Notes, and tells as far as the caller will not, what broke a run that left no results.
@@ -137,21 +137,21 @@ fn leave(folder: &mut RunFolder, record: &mut RunRecord, verdict: &VerdictFile) 
 }
 
 /// The files that grow with the run: rows unless `--record none`, and calls that are to be logged.
-fn begin_files(folder: &RunFolder, plan: &Plan) -> Result<Recorder, TraceError> {
+fn begin_files(folder: &RunFolder, spec: &RunSpec) -> Result<Recorder, TraceError> {
     let mut recorder = Recorder::default();
-    if plan.record {
-        let columns = columns::of(&plan.scenario, |instance| &plan.units[plan.unit_of[instance]].description);
+    if spec.record {
+        let columns = columns::of(&spec.scenario, |instance| &spec.units[spec.unit_of[instance]].description);
         let signals: Vec<_> = std::iter::once(signals::time()).chain(columns).collect();
-        recorder.begin_rows(folder, plan.scenario.step_ns, &signals)?;
+        recorder.begin_rows(folder, spec.scenario.step_ns, &signals)?;
     }
-    for &instance in &plan.log_calls {
-        recorder.begin_calls(folder, instance, &plan.scenario.instances[instance].name)?;
+    for &instance in &spec.log_calls {
+        recorder.begin_calls(folder, instance, &spec.scenario.instances[instance].name)?;
     }
     Ok(recorder)
 }
 
 /// What the script claims, put together with how it came out.
-fn verdict(scenario: &Scenario, record: &RunRecord, script: &str, end: String, ended: &Ended) -> VerdictFile {
+fn verdict(scenario: &Scenario, record: &RunRecord, script: &str, end: String, ended: &RunEnd) -> VerdictFile {
     let claims = scenario.claims.iter().zip(&ended.standings);
     VerdictFile {
         scenario: scenario.title.clone(),
@@ -165,7 +165,7 @@ fn verdict(scenario: &Scenario, record: &RunRecord, script: &str, end: String, e
     }
 }
 
-fn run_state(ended: &Ended) -> RunState {
+fn run_state(ended: &RunEnd) -> RunState {
     match (ended.interrupted, &ended.failure) {
         (true, _) => RunState::Interrupted,
         (false, Some(_)) => RunState::Broken,
@@ -173,7 +173,7 @@ fn run_state(ended: &Ended) -> RunState {
     }
 }
 
-fn end_text(ended: &Ended, scenario: &Scenario) -> String {
+fn end_text(ended: &RunEnd, scenario: &Scenario) -> String {
     match (&ended.failure, &ended.finish) {
         (Some(failure), _) => format!("broken: {failure}"),
         (None, Some(finish)) => finish.reason.text(scenario),

@@ -14,9 +14,9 @@ mod tests;
 use crate::flatten::claims::info;
 use crate::host::watchdog::Watchdog;
 use crate::run::message::{Finish, Message, Reason};
-use crate::run::run_spec::Plan;
-pub use live_observer::Audience;
-use log_order::Words;
+use crate::run::run_spec::RunSpec;
+pub use live_observer::LiveObserver;
+use log_order::LogOrder;
 pub use post_mortem::{cause_of_death, failure};
 use results::TraceError;
 use results::checkpoint::Saving;
@@ -33,7 +33,7 @@ use std::time::{Duration, Instant};
 use std::{fs, thread};
 pub use stepping_process::SUBCOMMAND;
 use stepping_process::SteppingProcess;
-pub use terms::{Ended, Orders, Placement, StartWorkers, Stepping, SuperviseError};
+pub use terms::{Placement, RunEnd, StartWorkers, Stepping, SuperviseError, SuperviseRequest};
 use unit::board::{Board, BoardLayout, ClaimNote, InCall};
 use unit::failure::{Cause, Failure};
 use unit::time::seconds;
@@ -44,46 +44,46 @@ const BUSY: Duration = Duration::from_millis(1);
 /// Recorded rows reach the disk at least this often.
 const SAVE_EVERY: Duration = Duration::from_millis(500);
 /// How long a stepping process may take to go after it said that it is done.
-const FAREWELL: Duration = Duration::from_secs(2);
+const EXIT_DEADLINE: Duration = Duration::from_secs(2);
 
 fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError {
     move |error| SuperviseError::Start { doing, error }
 }
 
-/// Runs a plan to its end. Rows and calls go to the recorder, whose files are whole when this returns; rows also to the
-/// audience, which is not told that the run is over.
+/// Runs a spec to its end. Rows and calls go to the recorder, whose files are whole when this returns; rows also to the
+/// live_observer, which is not told that the run is over.
 ///
 /// # Errors
 /// If what steps cannot be started or the trace not be written; no process of the run is left then either.
 pub fn supervise<W: Write>(
-    orders: &Orders,
+    request: &SuperviseRequest,
     recorder: Recorder,
-    mut audience: Option<&mut (dyn Audience + 'static)>,
+    mut live_observer: Option<&mut (dyn LiveObserver + 'static)>,
     console: &mut Console<W>,
-) -> Result<Ended, SuperviseError> {
-    let plan = orders.plan;
-    let columns = if plan.hands_over_rows() { plan.scenario.columns.len() } else { 0 };
-    let layout = BoardLayout { notes: 1, columns, claims: plan.scenario.claims.len() };
+) -> Result<RunEnd, SuperviseError> {
+    let spec = request.spec;
+    let columns = if spec.hands_over_rows() { spec.scenario.columns.len() } else { 0 };
+    let layout = BoardLayout { notes: 1, columns, claims: spec.scenario.claims.len() };
     let signals = Signals::new([SIGINT, SIGTERM]).map_err(start_error("listen for Ctrl-C"))?;
-    match orders.placement {
+    match request.placement {
         Placement::Together => {
-            let board = Board::create(&plan.board, &layout).map_err(start_error("make the board of the run"))?;
+            let board = Board::create(&spec.board, &layout).map_err(start_error("make the board of the run"))?;
             let board = Arc::new(board);
-            if let Some(audience) = &mut audience {
-                audience.begin(&board);
+            if let Some(live_observer) = &mut live_observer {
+                live_observer.begin(&board);
             }
             let process =
-                SteppingProcess::start(&orders.program, plan).map_err(start_error("start the stepping process"))?;
-            look_after(Box::new(process), signals, Supervision::new(orders, &board, recorder, audience, console))
+                SteppingProcess::start(&request.program, spec).map_err(start_error("start the stepping process"))?;
+            look_after(Box::new(process), signals, Supervision::new(request, &board, recorder, live_observer, console))
         }
         Placement::Isolated(start_workers) => {
             let board = Board::private(&layout).map_err(start_error("make the board of the run"))?;
             let board = Arc::new(board);
-            if let Some(audience) = &mut audience {
-                audience.begin(&board);
+            if let Some(live_observer) = &mut live_observer {
+                live_observer.begin(&board);
             }
-            let loop_here = start_workers(orders, &board).map_err(start_error("start the workers"))?;
-            look_after(loop_here, signals, Supervision::new(orders, &board, recorder, audience, console))
+            let loop_here = start_workers(request, &board).map_err(start_error("start the workers"))?;
+            look_after(loop_here, signals, Supervision::new(request, &board, recorder, live_observer, console))
         }
     }
 }
@@ -92,9 +92,9 @@ fn look_after<W: Write>(
     mut stepping: Box<dyn Stepping>,
     mut signals: Signals,
     mut run: Supervision<'_, W>,
-) -> Result<Ended, SuperviseError> {
+) -> Result<RunEnd, SuperviseError> {
     loop {
-        // Asked before the rings are emptied: what was said before it ended is in them.
+        // PendingOrder before the rings are emptied: what was said before it ended is in them.
         let over = stepping.ended().map_err(start_error("look after what steps the run"))?;
         let began = Instant::now();
         let drained = run.drain();
@@ -118,20 +118,20 @@ fn look_after<W: Write>(
 
 /// A run that goes on.
 struct Supervision<'a, W: Write> {
-    plan: &'a Plan,
+    spec: &'a RunSpec,
     saving: &'a Saving,
     /// The checkpoints that are written, by tick.
     kept: Vec<u64>,
     board: &'a Board,
     console: &'a mut Console<W>,
     recorder: Recorder,
-    audience: Option<&'a mut (dyn Audience + 'static)>,
+    live_observer: Option<&'a mut (dyn LiveObserver + 'static)>,
     saved: Instant,
     began: Instant,
     polled: Instant,
-    words: Words,
+    log_order: LogOrder,
     calls: Option<Watchdog<InCall>>,
-    farewell: Watchdog<()>,
+    exit_deadline: Watchdog<()>,
     last_row: Option<u64>,
     finish: Option<Finish>,
     failure: Option<Failure>,
@@ -140,28 +140,28 @@ struct Supervision<'a, W: Write> {
 
 impl<'a, W: Write> Supervision<'a, W> {
     fn new(
-        orders: &Orders<'a>,
+        request: &SuperviseRequest<'a>,
         board: &'a Board,
         recorder: Recorder,
-        audience: Option<&'a mut (dyn Audience + 'static)>,
+        live_observer: Option<&'a mut (dyn LiveObserver + 'static)>,
         console: &'a mut Console<W>,
     ) -> Self {
         let now = Instant::now();
         Self {
-            plan: orders.plan,
-            saving: orders.saving,
+            spec: request.spec,
+            saving: request.saving,
             kept: Vec::new(),
             board,
             console,
             recorder,
-            audience,
+            live_observer,
             saved: now,
             began: now,
             polled: now,
-            words: Words::default(),
+            log_order: LogOrder::default(),
             // Where each instance has a process of its own, whoever awaits its answer has a watch.
-            calls: orders.step_timeout.filter(|_| matches!(orders.placement, Placement::Together)).map(Watchdog::new),
-            farewell: Watchdog::new(FAREWELL),
+            calls: request.step_timeout.filter(|_| matches!(request.placement, Placement::Together)).map(Watchdog::new),
+            exit_deadline: Watchdog::new(EXIT_DEADLINE),
             last_row: None,
             finish: None,
             failure: None,
@@ -171,17 +171,17 @@ impl<'a, W: Write> Supervision<'a, W> {
 
     /// Takes everything out of the rings; says whether there was something.
     fn drain(&mut self) -> Result<bool, TraceError> {
-        // Asked before the rings are emptied: all that counts before this tick was said before it was reached.
+        // PendingOrder before the rings are emptied: all that counts before this tick was said before it was reached.
         let reached = self.board.tick();
-        let (recorder, audience, last_row) = (&mut self.recorder, &mut self.audience, &mut self.last_row);
+        let (recorder, live_observer, last_row) = (&mut self.recorder, &mut self.live_observer, &mut self.last_row);
         let mut refused = None;
         let rows = self.board.pop_rows(|tick, slots| {
             *last_row = Some(tick);
             if refused.is_none() {
                 refused = recorder.record(tick, slots).err();
             }
-            if let Some(audience) = audience {
-                audience.row(tick, slots);
+            if let Some(live_observer) = live_observer {
+                live_observer.row(tick, slots);
             }
         });
         let mut messages = Vec::new();
@@ -193,10 +193,10 @@ impl<'a, W: Write> Supervision<'a, W> {
                 Err(error) => self.console.say(&format!("warning: a message of a unit could not be read: {error}")),
             }
         }
-        for said in self.words.before(reached) {
-            self.console.say(&post_mortem::log_line(&said, &self.plan.scenario));
+        for said in self.log_order.before(reached) {
+            self.console.say(&post_mortem::log_line(&said, &self.spec.scenario));
         }
-        if self.words.are_many() {
+        if self.log_order.are_many() {
             self.tell_all_words();
         }
         if refused.is_none() && self.saved.elapsed() >= SAVE_EVERY {
@@ -208,7 +208,7 @@ impl<'a, W: Write> Supervision<'a, W> {
 
     fn hear(&mut self, message: Message) -> Result<(), TraceError> {
         match message {
-            Message::Log(said) => self.words.hear(said),
+            Message::Log(said) => self.log_order.hear(said),
             Message::Saved(tick) => return self.keep(tick),
             Message::Calls(piece) => return self.recorder.add_call(piece.instance, &piece.bytes),
             Message::Finished(finish) => self.finish = Some(finish),
@@ -221,11 +221,11 @@ impl<'a, W: Write> Supervision<'a, W> {
 
     /// Writes the checkpoints of a tick.
     fn keep(&mut self, tick: u64) -> Result<(), TraceError> {
-        let Some(save) = self.plan.saves.iter().find(|save| save.tick == tick) else { return Ok(()) };
+        let Some(save) = self.spec.saves.iter().find(|save| save.tick == tick) else { return Ok(()) };
         let checkpoint = fs::read(&save.file).map_err(TraceError::io("read", &save.file))?;
         for file in self.saving.files_at(tick) {
             self.saving.write(file, &checkpoint)?;
-            let time = shortest_decimal(seconds(tick, self.plan.scenario.step_ns));
+            let time = shortest_decimal(seconds(tick, self.spec.scenario.step_ns));
             self.console.say(&format!("saved {} at {time} s", file.display()));
         }
         self.kept.push(tick);
@@ -240,7 +240,7 @@ impl<'a, W: Write> Supervision<'a, W> {
 
     /// Tells which checkpoints the run did not come to.
     fn tell_unsaved(&mut self, last_tick: u64) {
-        let time = |tick| shortest_decimal(seconds(tick, self.plan.scenario.step_ns));
+        let time = |tick| shortest_decimal(seconds(tick, self.spec.scenario.step_ns));
         for (tick, file) in self.saving.files.iter().filter(|(tick, _)| !self.kept.contains(tick)) {
             let ended = if self.failure.is_some() { "broke" } else { "ended" };
             let why = if last_tick > *tick {
@@ -253,8 +253,8 @@ impl<'a, W: Write> Supervision<'a, W> {
     }
 
     fn tell_all_words(&mut self) {
-        for said in self.words.all() {
-            self.console.say(&post_mortem::log_line(&said, &self.plan.scenario));
+        for said in self.log_order.all() {
+            self.console.say(&post_mortem::log_line(&said, &self.spec.scenario));
         }
     }
 
@@ -274,42 +274,42 @@ impl<'a, W: Write> Supervision<'a, W> {
         let since = self.polled.elapsed();
         self.polled = Instant::now();
         if self.finish.is_some() || self.failure.is_some() {
-            if self.farewell.bites(since, Some(())) {
+            if self.exit_deadline.expired(since, Some(())) {
                 stepping.kill();
             }
             return;
         }
         let Some(calls) = &mut self.calls else { return };
         let call = self.board.note(0).read();
-        if calls.bites(since, call) {
+        if calls.expired(since, call) {
             let limit_s = calls.limit().as_secs_f64();
-            self.failure = Some(failure(call, self.board.tick(), &self.plan.scenario, Cause::Hung(limit_s)));
+            self.failure = Some(failure(call, self.board.tick(), &self.spec.scenario, Cause::Hung(limit_s)));
             stepping.kill();
         }
     }
 
     fn tell_progress(&mut self) {
-        let scenario = &self.plan.scenario;
+        let scenario = &self.spec.scenario;
         let (tick, board, wall_s) = (self.board.tick(), self.board, self.began.elapsed().as_secs_f64());
         let part = tick as f64 / scenario.stop_tick.max(1) as f64;
-        let from_s = self.plan.from_s();
+        let from_s = self.spec.from_s();
         self.console.progress(part, || Progress {
             time_s: seconds(tick, scenario.step_ns),
             stop_s: seconds(scenario.stop_tick, scenario.step_ns),
             from_s,
             wall_s,
-            claims: standing_claims(board, self.plan),
+            claims: standing_claims(board, self.spec),
         });
     }
 
     /// What stepped is gone and the rings are empty; `refused` is why their last rows could not be written.
-    fn conclude(mut self, cause: Cause, refused: Option<TraceError>) -> Result<Ended, SuperviseError> {
+    fn conclude(mut self, cause: Cause, refused: Option<TraceError>) -> Result<RunEnd, SuperviseError> {
         self.tell_all_words();
         self.console.clear();
         let killed_by_user = self.interrupts > 1;
         if self.finish.is_none() && self.failure.is_none() && !killed_by_user {
             let call = self.board.note(0).read();
-            self.failure = Some(failure(call, self.board.tick(), &self.plan.scenario, cause));
+            self.failure = Some(failure(call, self.board.tick(), &self.spec.scenario, cause));
         }
         if let Some(error) = refused.or_else(|| std::mem::take(&mut self.recorder).finish().err()) {
             return Err(SuperviseError::unwritten(self.failure, error));
@@ -321,10 +321,10 @@ impl<'a, W: Write> Supervision<'a, W> {
             (None, None) => self.board.tick(),
         };
         self.tell_unsaved(last_tick);
-        Ok(Ended {
+        Ok(RunEnd {
             last_tick,
             interrupted: ended_by_loop.unwrap_or(self.interrupts > 0),
-            standings: standings(self.board, self.plan.scenario.claims.len()),
+            standings: standings(self.board, self.spec.scenario.claims.len()),
             wall: self.began.elapsed(),
             finish: self.finish,
             failure: self.failure,
@@ -333,12 +333,12 @@ impl<'a, W: Write> Supervision<'a, W> {
 }
 
 /// The claims that say something already, for the progress line. One that is open shows the margin so far.
-fn standing_claims(board: &Board, plan: &Plan) -> Vec<JudgedClaim> {
-    let claims = plan.scenario.claims.iter().enumerate();
+fn standing_claims(board: &Board, spec: &RunSpec) -> Vec<JudgedClaim> {
+    let claims = spec.scenario.claims.iter().enumerate();
     let shown = claims.filter_map(|(i, claim)| {
         let standing = standing(&board.claim(i)?);
         let verdict = if standing.verdict == Verdict::Fails { Verdict::Fails } else { Verdict::Holds };
-        Some(JudgedClaim::new(&info(claim), &Standing { verdict, ..standing }, plan.scenario.step_ns))
+        Some(JudgedClaim::new(&info(claim), &Standing { verdict, ..standing }, spec.scenario.step_ns))
     });
     shown.collect()
 }

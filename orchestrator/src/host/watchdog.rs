@@ -30,7 +30,7 @@ impl<T: PartialEq> Watchdog<T> {
 
     /// Takes a look, `since` after the last one, at the call in progress, if one is; says whether it has been the same for
     /// as long as it may.
-    pub fn bites(&mut self, since: Duration, call: Option<T>) -> bool {
+    pub fn expired(&mut self, since: Duration, call: Option<T>) -> bool {
         if call.is_none() || call != self.call {
             self.call = call;
             self.still = Duration::ZERO;
@@ -52,7 +52,7 @@ mod tests {
         since: Duration,
         call: impl Fn(usize) -> Option<u64>,
     ) -> Option<usize> {
-        (0..1000).find(|&look| dog.bites(since, call(look)))
+        (0..1000).find(|&look| dog.expired(since, call(look)))
     }
 
     #[test]
@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn an_hour_of_suspension_counts_as_one_look() {
         let mut dog = Watchdog::new(Duration::from_secs(1));
-        assert!(!dog.bites(LOOK, Some(7)) && !dog.bites(Duration::from_secs(3600), Some(7)));
+        assert!(!dog.expired(LOOK, Some(7)) && !dog.expired(Duration::from_secs(3600), Some(7)));
         assert_eq!(looks_until_it_bites(&mut dog, LOOK, |_| Some(7)), Some(17));
     }
 }

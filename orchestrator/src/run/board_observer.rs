@@ -1,28 +1,28 @@
-//! The loop's witness in a run: the board.
+//! The loop's observer in a run: the board.
 
 use super::pace::Pace;
 use crate::run::message::{Message, MessageSink};
-use crate::run::run_spec::PlannedSave;
-use crate::run::step_loop::{Checkpoint, Witness};
+use crate::run::run_spec::SaveSpec;
+use crate::run::step_loop::{Checkpoint, Observer};
 use results::verdict::Standing;
 use std::sync::Arc;
 use unit::board::{Board, ClaimNote};
 
 /// Tells the board.
-pub struct Told<'a> {
+pub struct BoardObserver<'a> {
     board: &'a Board,
     pace: Option<Pace>,
-    saves: &'a [PlannedSave],
+    saves: &'a [SaveSpec],
 }
 
-impl<'a> Told<'a> {
-    /// Tells this board, no faster than this pace, and keeps the run where that is planned.
-    pub fn new(board: &'a Board, pace: Option<Pace>, saves: &'a [PlannedSave]) -> Self {
+impl<'a> BoardObserver<'a> {
+    /// Tells this board, no faster than this pace, and keeps the run where that is spec.
+    pub fn new(board: &'a Board, pace: Option<Pace>, saves: &'a [SaveSpec]) -> Self {
         Self { board, pace, saves }
     }
 }
 
-impl Witness for Told<'_> {
+impl Observer for BoardObserver<'_> {
     #[inline]
     fn reached(&mut self, tick: u64) {
         if let Some(pace) = &mut self.pace {

@@ -1,8 +1,8 @@
 //! Brings units on board: libraries are loaded, instances made, their values set, initialization begun.
 
 use crate::run::message::{CallPiece, Message, MessageSink};
-use crate::run::run_spec::PlannedUnit;
-use crate::run::worker::Seating;
+use crate::run::run_spec::UnitSpec;
+use crate::run::worker::Instantiated;
 use dsl::scenario::{Preset, Value};
 use std::path::Path;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use unit::library::Library;
 
 /// Who is to come on board.
 #[derive(Clone, Copy, Debug)]
-pub struct Passenger<'a> {
+pub struct NewInstance<'a> {
     /// The index in the scenario.
     pub index: usize,
     /// The name in the script.
@@ -29,9 +29,9 @@ pub struct Passenger<'a> {
 }
 
 /// Where to board, and who hears of it.
-pub struct Gate<'a> {
+pub struct Instantiator<'a> {
     /// The units.
-    pub units: &'a [PlannedUnit],
+    pub units: &'a [UnitSpec],
     /// The folder that `file("…")` is relative to.
     pub folder: &'a Path,
     /// The note of the thread that makes the calls.
@@ -42,20 +42,20 @@ pub struct Gate<'a> {
     pub sink: MessageSink,
 }
 
-impl Gate<'_> {
-    /// Brings instances so far that initialization can begin, in their order. Whoever is aboard when one fails stays
+impl Instantiator<'_> {
+    /// Brings instances so far that initialization can begin, in their order. Whoever is made when one fails stays
     /// there, so that the caller can tell the failure before a unit is freed.
     ///
     /// # Errors
     /// The first instance that could not be brought so far.
-    pub fn admit<'p>(
+    pub fn make<'p>(
         &self,
-        passengers: impl IntoIterator<Item = Passenger<'p>>,
-        aboard: &mut Vec<Seating>,
+        instances: impl IntoIterator<Item = NewInstance<'p>>,
+        made: &mut Vec<Instantiated>,
     ) -> Result<(), Failure> {
         let start = || self.note.at(0, 0.0);
         let mut libraries: Vec<Option<Arc<Library>>> = vec![None; self.units.len()];
-        for Passenger { index, name, unit, presets, log_calls } in passengers {
+        for NewInstance { index, name, unit, presets, log_calls } in instances {
             let library = match &libraries[unit] {
                 Some(library) => Arc::clone(library),
                 None => self.load(&self.units[unit], name, index)?,
@@ -66,7 +66,7 @@ impl Gate<'_> {
             let calls = log_calls.then(|| self.call_log(index));
             let setting = Setting { name, index, note: self.note.clone(), sink, logging_on: log_calls, calls };
             let instance = Instance::instantiate(&library, setting)?;
-            let Seating { instance, .. } = aboard.push_mut(Seating { index, instance });
+            let Instantiated { instance, .. } = made.push_mut(Instantiated { index, instance });
             for preset in presets {
                 self.set(instance, &start(), preset, &self.units[unit])?;
             }
@@ -86,7 +86,7 @@ impl Gate<'_> {
         CallLog { sink: Arc::new(tell), step_ns: self.step_ns }
     }
 
-    fn load(&self, unit: &PlannedUnit, name: &str, index: usize) -> Result<Arc<Library>, Failure> {
+    fn load(&self, unit: &UnitSpec, name: &str, index: usize) -> Result<Arc<Library>, Failure> {
         let library = Library::load(&unit.folder, &unit.description, &self.note, index);
         library.map(Arc::new).map_err(|error| Failure {
             instance: Some(name.to_owned()),
@@ -96,13 +96,7 @@ impl Gate<'_> {
         })
     }
 
-    fn set(
-        &self,
-        instance: &mut Instance,
-        start: &Now<'_>,
-        preset: &Preset,
-        unit: &PlannedUnit,
-    ) -> Result<(), Failure> {
+    fn set(&self, instance: &mut Instance, start: &Now<'_>, preset: &Preset, unit: &UnitSpec) -> Result<(), Failure> {
         let reference = &[unit.description.variables[preset.variable].value_reference];
         match &preset.value {
             Value::Real(value) => instance.set_real(start, reference, &[*value]),
@@ -121,6 +115,6 @@ impl Gate<'_> {
 ///
 /// # Errors
 /// The first that refused.
-pub fn enter_initialization(aboard: &mut [Seating], note: &Note) -> Result<(), Failure> {
-    aboard.iter_mut().try_for_each(|seating| seating.instance.enter_initialization_mode(&note.at(0, 0.0)))
+pub fn enter_initialization(made: &mut [Instantiated], note: &Note) -> Result<(), Failure> {
+    made.iter_mut().try_for_each(|made| made.instance.enter_initialization_mode(&note.at(0, 0.0)))
 }

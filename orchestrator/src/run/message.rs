@@ -12,7 +12,7 @@ use unit::logger::LogMessage;
 pub enum Message {
     /// A unit's own log message, printf arguments already in place.
     Log(LogMessage),
-    /// The run as it was after the row of this tick lies where the plan says.
+    /// The run as it was after the row of this tick lies where the spec says.
     Saved(u64),
     /// What the log of an instance's calls goes on with.
     Calls(CallPiece),

@@ -1,6 +1,6 @@
 //! A run that can begin: what preparation hands to the process that supervises the run.
 
-use super::run_spec::Plan;
+use super::run_spec::RunSpec;
 use results::checkpoint::Saving;
 use results::run_folder::RunFolder;
 use results::run_record::RunRecord;
@@ -10,7 +10,7 @@ use tempfile::TempDir;
 #[derive(Debug)]
 pub struct PreparedRun {
     /// What is run.
-    pub plan: Plan,
+    pub spec: RunSpec,
     /// The checkpoints that it is to leave.
     pub saving: Saving,
     /// What `run.json` says so far.

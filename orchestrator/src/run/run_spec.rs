@@ -12,11 +12,11 @@ pub const HOME_PREFIX: &str = "lockstep-";
 
 /// Everything that the stepping process needs; it reads no script and looks for no unit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Plan {
+pub struct RunSpec {
     /// What to run.
     pub scenario: Scenario,
     /// The units, each once.
-    pub units: Vec<PlannedUnit>,
+    pub units: Vec<UnitSpec>,
     /// For each instance of the scenario the index of its unit.
     pub unit_of: Vec<usize>,
     /// The folder that `file("…")` is relative to, the script's.
@@ -34,14 +34,14 @@ pub struct Plan {
     /// Simulated seconds for each second of the wall clock (`--pace`); `None` for as fast as it goes.
     pub pace: Option<f64>,
     /// When the run is to be kept as it is, each time once.
-    pub saves: Vec<PlannedSave>,
+    pub saves: Vec<SaveSpec>,
     /// Where the run continues; `None` for the start.
     pub from: Option<Checkpoint>,
     /// The instances whose calls are logged (`--log-fmi-calls`).
     pub log_calls: Vec<usize>,
 }
 
-impl Plan {
+impl RunSpec {
     /// The simulated seconds at which the run begins.
     #[must_use]
     pub fn from_s(&self) -> f64 {
@@ -57,7 +57,7 @@ impl Plan {
 
 /// A checkpoint that is to be made.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct PlannedSave {
+pub struct SaveSpec {
     /// After the row of this tick.
     pub tick: u64,
     /// The private file that takes it on its way to the parent.
@@ -67,7 +67,7 @@ pub struct PlannedSave {
 
 /// A unit, unpacked by the parent.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct PlannedUnit {
+pub struct UnitSpec {
     /// What messages call it: the path or name as the script wrote it.
     pub name: String,
     /// Its folder: `modelDescription.xml`, `binaries/`, `resources/`.
@@ -100,7 +100,7 @@ fn a_path_that_is_no_utf_8_comes_through() {
     use std::os::unix::ffi::OsStrExt;
     let folder = PathBuf::from(std::ffi::OsStr::from_bytes(b"/tmp/caf\xe9"));
     let (name, description, sha256) = ("a".to_owned(), ModelDescription::default(), String::new());
-    let unit = PlannedUnit { name, folder, description, sha256 };
-    let read: PlannedUnit = postcard::from_bytes(&postcard::to_stdvec(&unit).unwrap()).unwrap();
+    let unit = UnitSpec { name, folder, description, sha256 };
+    let read: UnitSpec = postcard::from_bytes(&postcard::to_stdvec(&unit).unwrap()).unwrap();
     assert_eq!(read.folder, unit.folder);
 }

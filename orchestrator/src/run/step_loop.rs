@@ -11,21 +11,21 @@ mod observer;
 mod tests;
 
 pub use checkpoint::Checkpoint;
-pub use observer::Witness;
+pub use observer::Observer;
 
-use crate::flatten::claims::{Claims, Ending};
+use crate::flatten::claims::{Claims, Completeness};
 use crate::flatten::expression::Moment;
 use crate::flatten::values::Values;
 use crate::flatten::wiring::{Wave, Wiring};
 use crate::run::message::{Finish, Reason};
-use crate::run::worker::{Leaving, Order, Terminated, Worker};
+use crate::run::worker::{Order, Shutdown, Terminated, Worker};
 use gather::UnderWay;
 use std::ops::Range;
 use unit::failure::Failure;
 
 /// What a run may be told besides its scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Wishes {
+pub struct LoopOptions {
     /// End as soon as a claim is lost.
     pub fail_fast: bool,
     /// Hand over rows.
@@ -37,15 +37,15 @@ pub struct StepLoop<'a, W> {
     wiring: Wiring,
     workers: Vec<Box<dyn Worker + 'a>>,
     claims: Claims,
-    wishes: Wishes,
-    witness: W,
+    wishes: LoopOptions,
+    observer: W,
     /// What `->`, claims and rows see: outputs of steps that ended by now.
     visible: Values,
     /// What `=>` sees: outputs of all steps that were awaited.
     latest: Values,
     /// Inputs as they last acted.
     inputs: Values,
-    /// Orders whose replies nobody asked for yet, by group.
+    /// SuperviseRequest whose replies nobody asked for yet, by group.
     under_way: Vec<Option<UnderWay>>,
     /// Results that a checkpoint awaited before they are due.
     early: Values,
@@ -60,9 +60,15 @@ pub struct StepLoop<'a, W> {
     samples: u64,
 }
 
-impl<'a, W: Witness> StepLoop<'a, W> {
+impl<'a, W: Observer> StepLoop<'a, W> {
     /// A run that stands before initialization.
-    pub fn new(wiring: Wiring, claims: Claims, workers: Vec<Box<dyn Worker + 'a>>, wishes: Wishes, witness: W) -> Self {
+    pub fn new(
+        wiring: Wiring,
+        claims: Claims,
+        workers: Vec<Box<dyn Worker + 'a>>,
+        wishes: LoopOptions,
+        observer: W,
+    ) -> Self {
         Self {
             visible: wiring.outputs.clone(),
             latest: wiring.outputs.clone(),
@@ -79,11 +85,11 @@ impl<'a, W: Witness> StepLoop<'a, W> {
             workers,
             claims,
             wishes,
-            witness,
+            observer,
         }
     }
 
-    /// Runs to the end, whatever end that is, and tells the witness how the claims stand then. With a checkpoint it begins
+    /// Runs to the end, whatever end that is, and tells the observer how the claims stand then. With a checkpoint it begins
     /// behind the checkpoint's row.
     ///
     /// # Errors
@@ -91,12 +97,12 @@ impl<'a, W: Witness> StepLoop<'a, W> {
     pub fn run(&mut self, from: Option<&Checkpoint>) -> Result<Finish, Failure> {
         let restored = self.initialise().and_then(|()| from.map_or(Ok(()), |checkpoint| self.restore(checkpoint)));
         let ended = restored.and_then(|()| self.ticks());
-        let ending = match &ended {
-            Ok(Finish { reason: Reason::StopTime | Reason::Terminated(_), .. }) => Ending::Complete,
-            _ => Ending::CutOff,
+        let completeness = match &ended {
+            Ok(Finish { reason: Reason::StopTime | Reason::Terminated(_), .. }) => Completeness::Complete,
+            _ => Completeness::CutOff,
         };
-        let (witness, last_sample) = (&mut self.witness, self.samples.checked_sub(1));
-        self.claims.end(last_sample, ending, |claim, standing| witness.claim(claim, standing));
+        let (observer, last_sample) = (&mut self.observer, self.samples.checked_sub(1));
+        self.claims.end(last_sample, completeness, |claim, standing| observer.claim(claim, standing));
         ended
     }
 
@@ -105,7 +111,7 @@ impl<'a, W: Witness> StepLoop<'a, W> {
         let mut tick = self.samples;
         loop {
             let time_s = self.wiring.seconds(tick);
-            self.witness.reached(tick);
+            self.observer.reached(tick);
             if let Some(finish) = self.gather(tick)? {
                 return Ok(finish);
             }
@@ -123,7 +129,7 @@ impl<'a, W: Witness> StepLoop<'a, W> {
                 }
             }
             self.record(tick);
-            if self.witness.wants_checkpoint(tick) {
+            if self.observer.wants_checkpoint(tick) {
                 self.save(tick)?;
             }
             tick += 1;
@@ -137,7 +143,7 @@ impl<'a, W: Witness> StepLoop<'a, W> {
             self.rises[slot] = holds && !std::mem::replace(&mut self.held[slot], holds);
         }
         let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
-        self.claims.take(tick, &moment, |claim, standing| self.witness.claim(claim, standing));
+        self.claims.take(tick, &moment, |claim, standing| self.observer.claim(claim, standing));
         self.samples = tick + 1;
     }
 
@@ -150,7 +156,7 @@ impl<'a, W: Witness> StepLoop<'a, W> {
             return Some(Reason::Terminated(first));
         }
         let lost = self.claims.lost().filter(|_| self.wishes.fail_fast).map(Reason::ClaimLost);
-        lost.or_else(|| self.witness.stop_requested().then_some(Reason::Interrupted))
+        lost.or_else(|| self.observer.stop_requested().then_some(Reason::Interrupted))
     }
 
     /// Windows close, then open.
@@ -205,7 +211,7 @@ impl<'a, W: Witness> StepLoop<'a, W> {
     fn record(&mut self, tick: u64) {
         if self.wishes.record {
             self.wiring.row.fill(&self.visible, &self.inputs, &mut self.row);
-            self.witness.row(tick, &self.row);
+            self.observer.row(tick, &self.row);
         }
     }
 
@@ -213,9 +219,9 @@ impl<'a, W: Witness> StepLoop<'a, W> {
     ///
     /// # Errors
     /// The first in the script's order that refused.
-    pub fn close(&mut self, leaving: Leaving) -> Result<(), Failure> {
+    pub fn close(&mut self, shutdown: Shutdown) -> Result<(), Failure> {
         let tick = self.samples.saturating_sub(1);
-        let lost = self.workers.iter_mut().filter_map(|worker| worker.finish(tick, leaving).err());
+        let lost = self.workers.iter_mut().filter_map(|worker| worker.finish(tick, shutdown).err());
         let lost: Vec<_> = lost.collect();
         lost.into_iter().min_by_key(|lost| lost.instance).map_or(Ok(()), |lost| Err(lost.failure))
     }

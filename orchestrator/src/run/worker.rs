@@ -1,4 +1,4 @@
-//! Orders in, replies out: the trait that every placement of instances implements.
+//! SuperviseRequest in, replies out: the trait that every placement of instances implements.
 //!
 //! A worker knows instances and blocks of values, nothing of what the script says. An order hands over the inputs of a
 //! group and lets it step; the reply, asked for when it is due, brings the group's outputs. Between the two a worker may
@@ -6,10 +6,10 @@
 
 mod in_process;
 
-pub use in_process::{InProcess, Seating};
+pub use in_process::{InProcess, Instantiated};
 
 use crate::flatten::values::Values;
-use crate::flatten::wiring::Pick;
+use crate::flatten::wiring::VariableSlot;
 use serde::{Deserialize, Serialize};
 use unit::failure::Failure;
 
@@ -20,7 +20,7 @@ pub struct Order<'a> {
     pub group: usize,
     /// The tick at which the step begins.
     pub tick: u64,
-    /// All inputs; the group's lie where its members say.
+    /// All inputs; the group's lie where its ports say.
     pub inputs: &'a Values,
 }
 
@@ -58,11 +58,11 @@ pub struct Lost {
 
 /// How a run takes leave of its workers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Leaving {
+pub enum Shutdown {
     /// It came to its end: whatever goes wrong now counts.
-    InPeace,
+    Orderly,
     /// It broke: nobody is waited for.
-    AtOnce,
+    Immediate,
 }
 
 /// Holds instances for a run. Made with its instances set up and in initialization mode; the time that a reply may take
@@ -72,13 +72,13 @@ pub trait Worker {
     ///
     /// # Errors
     /// The unit refuses, or the worker is gone.
-    fn set_initial(&mut self, instance: usize, picks: &[Pick], inputs: &Values) -> Result<(), Lost>;
+    fn set_initial(&mut self, instance: usize, picks: &[VariableSlot], inputs: &Values) -> Result<(), Lost>;
 
     /// During initialization: reads variables of one instance.
     ///
     /// # Errors
     /// The unit refuses, or the worker is gone.
-    fn get_initial(&mut self, instance: usize, picks: &[Pick], outputs: &mut Values) -> Result<(), Lost>;
+    fn get_initial(&mut self, instance: usize, picks: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost>;
 
     /// Ends initialization and brings the outputs of all its instances at tick 0.
     ///
@@ -116,5 +116,5 @@ pub trait Worker {
     ///
     /// # Errors
     /// The first that refused, after all others were freed.
-    fn finish(&mut self, tick: u64, leaving: Leaving) -> Result<(), Lost>;
+    fn finish(&mut self, tick: u64, shutdown: Shutdown) -> Result<(), Lost>;
 }

@@ -12,7 +12,7 @@ const SIGN_OF_LIFE: Duration = Duration::from_secs(2);
 
 /// Looks after the workers of a run by their boards.
 #[derive(Debug)]
-pub struct Vigil {
+pub struct HangMonitor {
     /// How long a call of a unit may take; `None` waits for ever, for whatever it is.
     patience: Option<Duration>,
     workers: Mutex<Vec<Watched>>,
@@ -27,7 +27,7 @@ struct Watched {
     life: Watchdog<u64>,
 }
 
-impl Vigil {
+impl HangMonitor {
     /// Looks after the workers with these boards.
     #[must_use]
     pub fn new(boards: &[Arc<Board>], patience: Option<Duration>) -> Self {
@@ -52,7 +52,7 @@ impl Vigil {
         let mut wrong = None;
         for (at, Watched { board, call, life }) in workers.iter_mut().enumerate() {
             let in_call = board.note(0).read();
-            let (hangs, is_frozen) = (call.bites(waited, Some(in_call)), life.bites(waited, Some(board.pulse())));
+            let (hangs, is_frozen) = (call.expired(waited, Some(in_call)), life.expired(waited, Some(board.pulse())));
             if at == number && hangs {
                 let silent = || Cause::Other(format!("its worker has not answered for {limit_s} s"));
                 wrong = Some(in_call.map_or_else(silent, |_| Cause::Hung(limit_s)));
@@ -80,35 +80,35 @@ mod tests {
     }
 
     /// After how many looks at a worker something is wrong with it, and what.
-    fn looks(vigil: &Vigil, number: usize, mut between: impl FnMut()) -> Option<(usize, Cause)> {
+    fn looks(hang_monitor: &HangMonitor, number: usize, mut between: impl FnMut()) -> Option<(usize, Cause)> {
         (1..100).find_map(|look| {
             between();
-            vigil.look(number, LOOK).map(|cause| (look, cause))
+            hang_monitor.look(number, LOOK).map(|cause| (look, cause))
         })
     }
 
     #[test]
     fn units_that_hang_together_are_missed_together() {
         let boards = boards();
-        let vigil = Vigil::new(&boards, Some(LIMIT));
+        let hang_monitor = HangMonitor::new(&boards, Some(LIMIT));
         let notes = boards.each_ref().map(|board| board.note(0));
         let calls = notes.each_ref().map(|note| note.at(7, 0.007));
         calls.iter().enumerate().for_each(|(index, now)| now.enter(index, Doing::Call(Call::DoStep)));
         let beat = || boards.iter().for_each(|board| board.beat());
-        assert_eq!(looks(&vigil, 0, beat), Some((11, Cause::Hung(0.5))));
-        assert_eq!(looks(&vigil, 1, beat), Some((1, Cause::Hung(0.5))), "it was looked at all the while");
-        vigil.begin(1);
-        assert_eq!(looks(&vigil, 1, beat), Some((11, Cause::Hung(0.5))), "it was told to do something else");
+        assert_eq!(looks(&hang_monitor, 0, beat), Some((11, Cause::Hung(0.5))));
+        assert_eq!(looks(&hang_monitor, 1, beat), Some((1, Cause::Hung(0.5))), "it was looked at all the while");
+        hang_monitor.begin(1);
+        assert_eq!(looks(&hang_monitor, 1, beat), Some((11, Cause::Hung(0.5))), "it was told to do something else");
     }
 
     #[test]
     fn processes_that_freeze_together_are_missed_together_and_one_that_lives_is_not() {
         let boards = boards();
-        let vigil = Vigil::new(&boards, Some(Duration::from_secs(60)));
-        assert_eq!(looks(&vigil, 0, || boards[1].beat()), Some((41, Cause::Silent(2.0))));
-        assert_eq!(looks(&vigil, 1, || boards[1].beat()), None);
-        assert_eq!(looks(&vigil, 1, || {}), Some((40, Cause::Silent(2.0))));
-        assert_eq!(looks(&vigil, 0, || {}), Some((1, Cause::Silent(2.0))));
+        let hang_monitor = HangMonitor::new(&boards, Some(Duration::from_secs(60)));
+        assert_eq!(looks(&hang_monitor, 0, || boards[1].beat()), Some((41, Cause::Silent(2.0))));
+        assert_eq!(looks(&hang_monitor, 1, || boards[1].beat()), None);
+        assert_eq!(looks(&hang_monitor, 1, || {}), Some((40, Cause::Silent(2.0))));
+        assert_eq!(looks(&hang_monitor, 0, || {}), Some((1, Cause::Silent(2.0))));
     }
 
     #[test]
@@ -116,7 +116,7 @@ mod tests {
         let boards = boards();
         let beat = || boards.iter().for_each(|board| board.beat());
         let cause = Cause::Other("its worker has not answered for 0.5 s".to_owned());
-        assert_eq!(looks(&Vigil::new(&boards, Some(LIMIT)), 0, beat), Some((11, cause)));
-        assert_eq!(looks(&Vigil::new(&boards, None), 0, || {}), None);
+        assert_eq!(looks(&HangMonitor::new(&boards, Some(LIMIT)), 0, beat), Some((11, cause)));
+        assert_eq!(looks(&HangMonitor::new(&boards, None), 0, || {}), None);
     }
 }

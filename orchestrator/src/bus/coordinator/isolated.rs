@@ -1,10 +1,10 @@
 //! A run whose instances have a process each: the loop is a thread of this process, the workers are its children.
 
-use super::worker_processes::Fleet;
-use super::worker_set::Crew;
-use crate::host::supervise::{Orders, Stepping};
+use super::worker_processes::WorkerProcesses;
+use super::worker_set::WorkerSet;
+use crate::host::supervise::{Stepping, SuperviseRequest};
 use crate::run::board_observer;
-use crate::run::stepping::fly_with;
+use crate::run::stepping::step_run_with;
 use std::io;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
@@ -13,12 +13,12 @@ use unit::board::Board;
 use unit::failure::Cause;
 
 /// How long workers may take to go after the last word.
-const FAREWELL: Duration = Duration::from_secs(1);
+const EXIT_DEADLINE: Duration = Duration::from_secs(1);
 
 /// The loop's thread and the workers; ended when dropped.
 #[derive(Debug)]
 struct Isolated {
-    fleet: Arc<Fleet>,
+    processes: Arc<WorkerProcesses>,
     thread: JoinHandle<()>,
 }
 
@@ -26,29 +26,31 @@ struct Isolated {
 ///
 /// # Errors
 /// As for [`Isolated::start`].
-pub fn start_isolated(orders: &Orders<'_>, board: &Arc<Board>) -> io::Result<Box<dyn Stepping>> {
-    Ok(Box::new(Isolated::start(orders, board)?))
+pub fn start_isolated(request: &SuperviseRequest<'_>, board: &Arc<Board>) -> io::Result<Box<dyn Stepping>> {
+    Ok(Box::new(Isolated::start(request, board)?))
 }
 
 impl Isolated {
-    /// Starts a worker for each instance of the plan, and the loop. Rows, messages and claims go to this board.
+    /// Starts a worker for each instance of the spec, and the loop. Rows, messages and claims go to this board.
     ///
     /// # Errors
     /// A process cannot be started, or its board not be made.
-    fn start(orders: &Orders<'_>, board: &Arc<Board>) -> io::Result<Self> {
-        let plan = orders.plan.clone();
-        let home = orders.plan.board.parent().unwrap_or(&orders.plan.board);
-        let count = plan.scenario.instances.len();
-        let crew = Crew::start(&orders.program, home, count, orders.step_timeout)?;
-        let (fleet, board) = (crew.fleet(), Arc::clone(board));
-        let workers = Arc::clone(&fleet);
-        let fly = move || {
+    fn start(request: &SuperviseRequest<'_>, board: &Arc<Board>) -> io::Result<Self> {
+        let spec = request.spec.clone();
+        let home = request.spec.board.parent().unwrap_or(&request.spec.board);
+        let count = spec.scenario.instances.len();
+        let workers = WorkerSet::start(&request.program, home, count, request.step_timeout)?;
+        let (processes, board) = (workers.processes(), Arc::clone(board));
+        let children = Arc::clone(&processes);
+        let step = move || {
             let worker_of: Vec<_> = (0..count).collect();
-            fly_with(&plan, &board, &worker_of, |wiring| crew.enlist(&plan, wiring, &board_observer::sink(&board)));
-            workers.dismiss(FAREWELL);
+            step_run_with(&spec, &board, &worker_of, |wiring| {
+                workers.initialize(&spec, wiring, &board_observer::sink(&board))
+            });
+            children.await_exit(EXIT_DEADLINE);
         };
-        let thread = thread::Builder::new().name("step loop".to_owned()).spawn(fly)?;
-        Ok(Self { fleet, thread })
+        let thread = thread::Builder::new().name("step loop".to_owned()).spawn(step)?;
+        Ok(Self { processes, thread })
     }
 }
 
@@ -60,15 +62,15 @@ impl Stepping for Isolated {
     }
 
     fn kill(&mut self) {
-        self.fleet.abandon();
+        self.processes.kill_all();
     }
 }
 
 impl Drop for Isolated {
     fn drop(&mut self) {
         if !self.thread.is_finished() {
-            self.fleet.abandon();
-            self.fleet.dismiss(Duration::ZERO);
+            self.processes.kill_all();
+            self.processes.await_exit(Duration::ZERO);
         }
     }
 }

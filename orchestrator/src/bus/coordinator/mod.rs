@@ -7,5 +7,5 @@ mod worker_processes;
 mod worker_set;
 
 pub use isolated::start_isolated;
-pub use worker_processes::{Fleet, SUBCOMMAND};
-pub use worker_set::Crew;
+pub use worker_processes::{SUBCOMMAND, WorkerProcesses};
+pub use worker_set::WorkerSet;

@@ -7,18 +7,20 @@ mod answers;
 #[cfg(test)]
 mod tests;
 
-use super::hang_monitor::Vigil;
-use super::worker_processes::Fleet;
+use super::hang_monitor::HangMonitor;
+use super::worker_processes::WorkerProcesses;
 use crate::bus::link::Link;
-use crate::bus::wire::open_request::{Aside, Company, Held, Initial, Opening, Picked, Speaker, Unit, bytes};
+use crate::bus::wire::open_request::{
+    GroupSpec, Handshake, Initial, InstanceSpec, OpenRequest, Picked, ReplyExtras, Unit, bytes,
+};
 use crate::bus::wire::{Header, Kind, Outgoing};
 use crate::bus::worker::Address;
 use crate::flatten::values::Values;
-use crate::flatten::wiring::{Member, Pick, Wiring};
+use crate::flatten::wiring::{InstancePorts, VariableSlot, Wiring};
 use crate::host::supervise::failure;
 use crate::run::message::MessageSink;
-use crate::run::run_spec::Plan;
-use crate::run::worker::{Leaving, Lost, Order, Reply, Ticket, Worker};
+use crate::run::run_spec::RunSpec;
+use crate::run::worker::{Lost, Order, Reply, Shutdown, Ticket, Worker};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -30,33 +32,33 @@ const START_DEADLINE: Duration = Duration::from_secs(30);
 
 /// What leads to a worker.
 #[derive(Debug)]
-pub struct Way {
+pub struct WorkerHandle {
     /// Where it is.
     pub address: Address,
     /// Its board.
     pub board: Arc<Board>,
     /// The processes, its own among them.
-    pub fleet: Arc<Fleet>,
+    pub processes: Arc<WorkerProcesses>,
     /// Who looks after them.
-    pub vigil: Arc<Vigil>,
+    pub hang_monitor: Arc<HangMonitor>,
 }
 
 /// A worker in another process.
 pub struct Remote<'a> {
-    plan: &'a Plan,
-    way: Way,
+    spec: &'a RunSpec,
+    handle: WorkerHandle,
     link: Option<Link>,
     /// Where words and calls of its units go.
     sink: MessageSink,
     schema: u64,
     /// Its instances with their ports, in the script's order.
-    members: Vec<(usize, Member)>,
+    ports: Vec<(usize, InstancePorts)>,
     /// Its groups, by their number in the run, with their number here and their instances.
-    groups: BTreeMap<usize, (u16, Company)>,
-    opening: Opening,
+    groups: BTreeMap<usize, (u16, GroupSpec)>,
+    request: OpenRequest,
     orders: u64,
-    /// Orders whose replies nobody has awaited: what they were, by the group.
-    under_way: BTreeMap<usize, Asked>,
+    /// SuperviseRequest whose replies nobody has awaited: what they were, by the group.
+    under_way: BTreeMap<usize, PendingOrder>,
     /// Replies that came before they were awaited, by the number of their order.
     early: BTreeMap<u64, Vec<u8>>,
     dead: Option<Lost>,
@@ -64,13 +66,13 @@ pub struct Remote<'a> {
 
 /// An order whose reply is to be awaited.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked {
+pub struct PendingOrder {
     header: Header,
 }
 
 impl std::fmt::Debug for Remote<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Remote").field("way", &self.way).field("orders", &self.orders).finish_non_exhaustive()
+        f.debug_struct("Remote").field("way", &self.handle).field("orders", &self.orders).finish_non_exhaustive()
     }
 }
 
@@ -79,26 +81,32 @@ impl<'a> Remote<'a> {
     ///
     /// # Errors
     /// It did not come up.
-    pub fn dial(plan: &'a Plan, wiring: &Wiring, way: Way, sink: MessageSink, run: &str) -> Result<Self, Failure> {
-        let number = way.address.number;
+    pub fn connect(
+        spec: &'a RunSpec,
+        wiring: &Wiring,
+        handle: WorkerHandle,
+        sink: MessageSink,
+        run: &str,
+    ) -> Result<Self, Failure> {
+        let number = handle.address.number;
         let of_worker = wiring.groups.iter().enumerate().filter(|(_, group)| group.worker == number);
         let groups = of_worker.zip(0..).map(|((index, group), local)| {
-            (index, (local, Company { every: group.every, instances: group.instances.clone() }))
+            (index, (local, GroupSpec { every: group.every, instances: group.instances.clone() }))
         });
         let groups: BTreeMap<_, _> = groups.collect();
         let mut held: Vec<usize> = groups.values().flat_map(|(_, company)| company.instances.clone()).collect();
         held.sort_unstable();
-        let members: Vec<_> = held.iter().map(|&index| (index, wiring.members[index].clone())).collect();
-        let opening = opening(plan, &members, groups.values().map(|(_, company)| company.clone()).collect());
+        let ports: Vec<_> = held.iter().map(|&index| (index, wiring.ports[index].clone())).collect();
+        let request = request(spec, &ports, groups.values().map(|(_, company)| company.clone()).collect());
         let mut remote = Self {
-            plan,
-            way,
+            spec,
+            handle,
             link: None,
             sink,
             schema: 0,
-            members,
+            ports,
             groups,
-            opening,
+            request,
             orders: 0,
             under_way: BTreeMap::new(),
             early: BTreeMap::new(),
@@ -112,8 +120,8 @@ impl<'a> Remote<'a> {
     ///
     /// # Errors
     /// The worker is gone.
-    pub fn greet(&mut self) -> Result<Asked, Lost> {
-        let this = serde_json::to_vec(&Speaker::this()).unwrap_or_default();
+    pub fn shake_hands(&mut self) -> Result<PendingOrder, Lost> {
+        let this = serde_json::to_vec(&Handshake::this()).unwrap_or_default();
         self.ask(Kind::Hello, 0, &this)
     }
 
@@ -121,21 +129,21 @@ impl<'a> Remote<'a> {
     ///
     /// # Errors
     /// The worker is gone.
-    pub fn open(&mut self) -> Result<Asked, Lost> {
-        let schema = self.opening.schema(|unit| {
-            let planned = self.plan.units.iter().find(|planned| planned.name == self.opening.units[unit].name);
-            planned.map(|planned| &planned.description)
+    pub fn open(&mut self) -> Result<PendingOrder, Lost> {
+        let schema = self.request.schema(|unit| {
+            let spec = self.spec.units.iter().find(|spec| spec.name == self.request.units[unit].name);
+            spec.map(|spec| &spec.description)
         });
         self.schema = schema.unwrap_or_else(|| unreachable!("a plan's units have all variables that its wiring has"));
-        let opening = bytes(&self.opening);
-        self.ask(Kind::Open, 0, &opening)
+        let request = bytes(&self.request);
+        self.ask(Kind::Open, 0, &request)
     }
 
     /// Lets its instances enter initialization mode.
     ///
     /// # Errors
     /// The worker is gone.
-    pub fn enter(&mut self) -> Result<Asked, Lost> {
+    pub fn enter(&mut self) -> Result<PendingOrder, Lost> {
         self.ask(Kind::Initialise, 0, &bytes(&Initial::Enter))
     }
 
@@ -143,13 +151,13 @@ impl<'a> Remote<'a> {
     ///
     /// # Errors
     /// What the worker says went wrong, or it is gone.
-    pub fn agree(&mut self, asked: Asked) -> Result<(), Lost> {
-        self.answer(asked, |_, _| Ok(())).map(drop)
+    pub fn confirm(&mut self, pending: PendingOrder) -> Result<(), Lost> {
+        self.answer(pending, |_, _| Ok(())).map(drop)
     }
 
-    fn ask(&mut self, kind: Kind, tick: u64, aside: &[u8]) -> Result<Asked, Lost> {
+    fn ask(&mut self, kind: Kind, tick: u64, extras: &[u8]) -> Result<PendingOrder, Lost> {
         let (header, outgoing) = self.begin(kind, 0, tick)?;
-        self.send(header, outgoing.finish(aside))
+        self.send(header, outgoing.finish(extras))
     }
 
     fn begin(&mut self, kind: Kind, group: u16, tick: u64) -> Result<(Header, Outgoing), Lost> {
@@ -161,40 +169,40 @@ impl<'a> Remote<'a> {
         Ok((header, Outgoing::new(&header)))
     }
 
-    fn send(&mut self, header: Header, message: Vec<u8>) -> Result<Asked, Lost> {
-        let Way { address: Address { number, .. }, vigil, .. } = &self.way;
-        vigil.begin(*number);
+    fn send(&mut self, header: Header, message: Vec<u8>) -> Result<PendingOrder, Lost> {
+        let WorkerHandle { address: Address { number, .. }, hang_monitor, .. } = &self.handle;
+        hang_monitor.begin(*number);
         let sent = match &self.link {
-            Some(link) => link.send(message, |waited| vigil.look(*number, waited)),
+            Some(link) => link.send(message, |waited| hang_monitor.look(*number, waited)),
             None => Err(Cause::Other("its worker hung up".to_owned())),
         };
-        sent.map(|()| Asked { header }).map_err(|cause| self.give_up(header.tick, cause))
+        sent.map(|()| PendingOrder { header }).map_err(|cause| self.give_up(header.tick, cause))
     }
 
     /// What is lost with this worker, told of its first instance unless its board knows better.
     fn lost(&self, tick: u64, cause: Cause) -> Lost {
-        let first = self.members.first().map_or(0, |&(index, _)| index);
+        let first = self.ports.first().map_or(0, |&(index, _)| index);
         let call =
-            self.way.board.note(0).read().filter(|call| self.members.iter().any(|(index, _)| *index == call.instance));
-        let mut failure = failure(call, tick, &self.plan.scenario, cause);
+            self.handle.board.note(0).read().filter(|call| self.ports.iter().any(|(index, _)| *index == call.instance));
+        let mut failure = failure(call, tick, &self.spec.scenario, cause);
         let instance = call.map_or(first, |call| call.instance);
-        let name = self.plan.scenario.instances.get(instance).map(|instance| instance.name.clone());
+        let name = self.spec.scenario.instances.get(instance).map(|instance| instance.name.clone());
         failure.instance = failure.instance.or(name);
         Lost { instance, failure }
     }
 }
 
 impl Worker for Remote<'_> {
-    fn set_initial(&mut self, instance: usize, picks: &[Pick], inputs: &Values) -> Result<(), Lost> {
+    fn set_initial(&mut self, instance: usize, picks: &[VariableSlot], inputs: &Values) -> Result<(), Lost> {
         let picked = Initial::Set(Picked::out_of(instance, picks, inputs));
-        let asked = self.ask(Kind::Initialise, 0, &bytes(&picked))?;
-        self.agree(asked)
+        let pending = self.ask(Kind::Initialise, 0, &bytes(&picked))?;
+        self.confirm(pending)
     }
 
-    fn get_initial(&mut self, instance: usize, picks: &[Pick], outputs: &mut Values) -> Result<(), Lost> {
+    fn get_initial(&mut self, instance: usize, picks: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost> {
         let wanted = Picked::out_of(instance, picks, outputs);
-        let asked = self.ask(Kind::Initialise, 0, &bytes(&Initial::Get(wanted.clone())))?;
-        let Aside { values, .. } = self.answer(asked, |_, _| Ok(()))?;
+        let pending = self.ask(Kind::Initialise, 0, &bytes(&Initial::Get(wanted.clone())))?;
+        let ReplyExtras { values, .. } = self.answer(pending, |_, _| Ok(()))?;
         let got = Picked { values, ..wanted };
         if got.picks().is_none() {
             return Err(self.give_up(0, Cause::Other("its worker answered with other values than asked".to_owned())));
@@ -204,9 +212,9 @@ impl Worker for Remote<'_> {
     }
 
     fn start(&mut self, outputs: &mut Values) -> Result<(), Lost> {
-        let asked = self.ask(Kind::Start, 0, &[])?;
-        self.answer(asked, |members, blocks| {
-            members.iter().try_for_each(|(index, member)| blocks.read(*index, &member.outputs, outputs))
+        let pending = self.ask(Kind::Start, 0, &[])?;
+        self.answer(pending, |ports, blocks| {
+            ports.iter().try_for_each(|(index, ports)| blocks.read(*index, &ports.outputs, outputs))
         })
         .map(drop)
     }
@@ -216,42 +224,42 @@ impl Worker for Remote<'_> {
         let (local, instances) = (*local, company.instances.clone());
         let (header, mut outgoing) = self.begin(Kind::Step, local, order.tick)?;
         for instance in instances {
-            outgoing.block(instance, &self.member(instance).inputs, order.inputs);
+            outgoing.block(instance, &self.ports(instance).inputs, order.inputs);
         }
-        let asked = self.send(header, outgoing.finish(&[]))?;
-        self.under_way.insert(order.group, asked);
+        let pending = self.send(header, outgoing.finish(&[]))?;
+        self.under_way.insert(order.group, pending);
         Ok(Ticket { group: order.group })
     }
 
     fn reply(&mut self, ticket: Ticket, _: u64, outputs: &mut Values) -> Result<Reply, Lost> {
-        let asked = self.under_way.remove(&ticket.group);
-        let asked = asked.unwrap_or_else(|| unreachable!("group {} has no order under way", ticket.group));
+        let pending = self.under_way.remove(&ticket.group);
+        let pending = pending.unwrap_or_else(|| unreachable!("group {} has no order under way", ticket.group));
         let instances = self.groups[&ticket.group].1.instances.clone();
-        let Aside { terminated, .. } = self.answer(asked, |members, blocks| {
-            instances.iter().try_for_each(|&index| blocks.read(index, &find(members, index).outputs, outputs))
+        let ReplyExtras { terminated, .. } = self.answer(pending, |ports, blocks| {
+            instances.iter().try_for_each(|&index| blocks.read(index, &find(ports, index).outputs, outputs))
         })?;
         Ok(Reply { terminated })
     }
 
     fn save(&mut self, tick: u64) -> Result<Vec<(usize, Vec<u8>)>, Lost> {
-        let asked = self.ask(Kind::Save, tick, &[])?;
-        let Aside { states, .. } = self.answer(asked, |_, _| Ok(()))?;
-        if !states.iter().map(|(index, _)| index).eq(self.members.iter().map(|(index, _)| index)) {
+        let pending = self.ask(Kind::Save, tick, &[])?;
+        let ReplyExtras { states, .. } = self.answer(pending, |_, _| Ok(()))?;
+        if !states.iter().map(|(index, _)| index).eq(self.ports.iter().map(|(index, _)| index)) {
             return Err(self.give_up(tick, Cause::Other("its worker answered with other states than asked".to_owned())));
         }
         Ok(states)
     }
 
     fn restore(&mut self, tick: u64, states: &[(usize, &[u8])]) -> Result<(), Lost> {
-        let asked = self.ask(Kind::Restore, tick, &bytes(&states))?;
-        self.agree(asked)
+        let pending = self.ask(Kind::Restore, tick, &bytes(&states))?;
+        self.confirm(pending)
     }
 
-    fn finish(&mut self, tick: u64, leaving: Leaving) -> Result<(), Lost> {
+    fn finish(&mut self, tick: u64, leaving: Shutdown) -> Result<(), Lost> {
         if self.dead.is_some() {
             return Ok(());
         }
-        if leaving == Leaving::AtOnce {
+        if leaving == Shutdown::Immediate {
             let (_, outgoing) = self.begin(Kind::Finish, 0, tick)?;
             // It may not have taken its last order; then it is not waited for.
             let leave = |_| Some(Cause::Other("it takes nothing".to_owned()));
@@ -259,54 +267,54 @@ impl Worker for Remote<'_> {
             return Ok(());
         }
         // What units said in steps that end after the run is told all the same.
-        for asked in std::mem::take(&mut self.under_way).into_values() {
-            self.overrun(asked)?;
+        for pending in std::mem::take(&mut self.under_way).into_values() {
+            self.overrun(pending)?;
         }
-        let asked = self.ask(Kind::Finish, tick, &[])?;
-        let finished = self.agree(asked);
+        let pending = self.ask(Kind::Finish, tick, &[])?;
+        let finished = self.confirm(pending);
         self.link = None;
         finished
     }
 }
 
 impl Remote<'_> {
-    fn member(&self, instance: usize) -> &Member {
-        find(&self.members, instance)
+    fn ports(&self, instance: usize) -> &InstancePorts {
+        find(&self.ports, instance)
     }
 }
 
-fn find(members: &[(usize, Member)], instance: usize) -> &Member {
-    let found = members.iter().find(|(index, _)| *index == instance);
-    found.map_or_else(|| unreachable!("instance {instance} is not with this worker"), |(_, member)| member)
+fn find(ports: &[(usize, InstancePorts)], instance: usize) -> &InstancePorts {
+    let found = ports.iter().find(|(index, _)| *index == instance);
+    found.map_or_else(|| unreachable!("instance {instance} is not with this worker"), |(_, ports)| ports)
 }
 
-/// What a worker is told that is to hold these members.
-fn opening(plan: &Plan, members: &[(usize, Member)], groups: Vec<Company>) -> Opening {
+/// What a worker is told that is to hold these ports.
+fn request(spec: &RunSpec, ports: &[(usize, InstancePorts)], groups: Vec<GroupSpec>) -> OpenRequest {
     let mut units: Vec<Unit> = Vec::new();
     let mut unit_of = |index: usize| {
-        let planned = &plan.units[plan.unit_of[index]];
-        units.iter().position(|unit| unit.name == planned.name).unwrap_or_else(|| {
-            let (name, folder, sha256) = (planned.name.clone(), planned.folder.clone(), planned.sha256.clone());
+        let spec = &spec.units[spec.unit_of[index]];
+        units.iter().position(|unit| unit.name == spec.name).unwrap_or_else(|| {
+            let (name, folder, sha256) = (spec.name.clone(), spec.folder.clone(), spec.sha256.clone());
             units.push(Unit { name, folder, sha256 });
             units.len() - 1
         })
     };
-    let held = |(index, member): &(usize, Member)| {
-        let instance = &plan.scenario.instances[*index];
+    let held = |(index, ports): &(usize, InstancePorts)| {
+        let instance = &spec.scenario.instances[*index];
         let variables = |ports: &crate::flatten::wiring::Ports| {
             let spans = [&ports.reals, &ports.integers, &ports.booleans, &ports.texts];
             spans.into_iter().flat_map(|span| span.variables.iter().copied()).collect()
         };
-        Held {
+        InstanceSpec {
             index: *index,
             name: instance.name.clone(),
             unit: unit_of(*index),
             presets: instance.presets.clone(),
-            log_calls: plan.log_calls.contains(index),
-            inputs: variables(&member.inputs),
-            outputs: variables(&member.outputs),
+            log_calls: spec.log_calls.contains(index),
+            inputs: variables(&ports.inputs),
+            outputs: variables(&ports.outputs),
         }
     };
-    let instances = members.iter().map(held).collect();
-    Opening { step_ns: plan.scenario.step_ns, folder: plan.folder.clone(), units, instances, groups }
+    let instances = ports.iter().map(held).collect();
+    OpenRequest { step_ns: spec.scenario.step_ns, folder: spec.folder.clone(), units, instances, groups }
 }

@@ -27,32 +27,32 @@ const LOOK_AGAIN: Duration = Duration::from_millis(1);
 
 /// Processes that do not outlive this value.
 #[derive(Debug)]
-pub struct Fleet {
+pub struct WorkerProcesses {
     children: Vec<Mutex<Child>>,
     /// How many this process may use.
     processors: usize,
-    abandoned: AtomicBool,
+    killed: AtomicBool,
 }
 
-impl Fleet {
+impl WorkerProcesses {
     /// Starts a process for each address, in process groups of their own so that Ctrl-C reaches them through us only.
     ///
     /// # Errors
     /// One could not be started; those that were are gone again.
     pub fn start<'a>(program: &Path, addresses: impl IntoIterator<Item = &'a Address>) -> io::Result<Self> {
-        let mut fleet = Self {
+        let mut processes = Self {
             children: Vec::new(),
             processors: available_parallelism().map_or(1, NonZero::get),
-            abandoned: AtomicBool::new(false),
+            killed: AtomicBool::new(false),
         };
         for address in addresses {
             let mut command = Command::new(program);
             command.arg(SUBCOMMAND).args(["--once", "--home"]).arg(&address.home).arg(address.number.to_string());
             command.env(RUNTIME.0, RUNTIME.1).stdin(Stdio::piped()).process_group(0);
             command.stdout(io::stderr().as_fd().try_clone_to_owned()?);
-            fleet.children.push(Mutex::new(command.spawn()?));
+            processes.children.push(Mutex::new(command.spawn()?));
         }
-        Ok(fleet)
+        Ok(processes)
     }
 
     fn child(&self, number: usize) -> MutexGuard<'_, Child> {
@@ -92,19 +92,19 @@ impl Fleet {
     }
 
     /// Ends all workers at once, for good.
-    pub fn abandon(&self) {
-        self.abandoned.store(true, Ordering::Release);
+    pub fn kill_all(&self) {
+        self.killed.store(true, Ordering::Release);
         (0..self.children.len()).for_each(|number| self.kill(number));
     }
 
     /// Whether all workers were ended at once.
     #[must_use]
-    pub fn is_abandoned(&self) -> bool {
-        self.abandoned.load(Ordering::Acquire)
+    pub fn were_killed(&self) -> bool {
+        self.killed.load(Ordering::Acquire)
     }
 
     /// Waits until all workers are gone; whoever is still there after this time is ended.
-    pub fn dismiss(&self, grace: Duration) {
+    pub fn await_exit(&self, grace: Duration) {
         let began = Instant::now();
         for number in 0..self.children.len() {
             if self.ends_within(number, grace.saturating_sub(began.elapsed())).is_none() {
@@ -117,9 +117,9 @@ impl Fleet {
     }
 }
 
-impl Drop for Fleet {
+impl Drop for WorkerProcesses {
     fn drop(&mut self) {
-        self.abandon();
-        self.dismiss(Duration::ZERO);
+        self.kill_all();
+        self.await_exit(Duration::ZERO);
     }
 }

@@ -1,15 +1,15 @@
 //! The workers of a run: a process for each instance, started together and led into initialization mode together.
 
-use super::hang_monitor::Vigil;
-use super::remote::{Remote, Way};
-use super::worker_processes::Fleet;
+use super::hang_monitor::HangMonitor;
+use super::remote::{Remote, WorkerHandle};
+use super::worker_processes::WorkerProcesses;
 use crate::bus::link::endpoint;
 use crate::bus::link::run_name;
 use crate::bus::worker::Address;
 use crate::flatten::wiring::Wiring;
 use crate::run::message::MessageSink;
-use crate::run::run_spec::Plan;
-use crate::run::worker::{Leaving, Worker};
+use crate::run::run_spec::RunSpec;
+use crate::run::worker::{Shutdown, Worker};
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -20,12 +20,12 @@ use unit::failure::Failure;
 
 /// Worker processes that nobody has called yet.
 #[derive(Debug)]
-pub struct Crew {
-    fleet: Arc<Fleet>,
-    ways: Vec<Way>,
+pub struct WorkerSet {
+    processes: Arc<WorkerProcesses>,
+    handles: Vec<WorkerHandle>,
 }
 
-impl Crew {
+impl WorkerSet {
     /// Starts so many processes of a program that knows the subcommand, with their boards in a private folder.
     ///
     /// # Errors
@@ -38,19 +38,19 @@ impl Crew {
         let layout = BoardLayout { notes: 1, columns: 0, claims: 0 };
         let boards = addresses.iter().map(|address| Board::create(&address.board(), &layout).map(Arc::new));
         let boards = boards.collect::<io::Result<Vec<_>>>()?;
-        let vigil = Arc::new(Vigil::new(&boards, patience));
-        let fleet = Arc::new(Fleet::start(program, &addresses)?);
-        let ways = addresses.into_iter().zip(boards).map(|(address, board)| {
-            let (fleet, vigil) = (Arc::clone(&fleet), Arc::clone(&vigil));
-            Way { address, board, fleet, vigil }
+        let hang_monitor = Arc::new(HangMonitor::new(&boards, patience));
+        let processes = Arc::new(WorkerProcesses::start(program, &addresses)?);
+        let handles = addresses.into_iter().zip(boards).map(|(address, board)| {
+            let (processes, hang_monitor) = (Arc::clone(&processes), Arc::clone(&hang_monitor));
+            WorkerHandle { address, board, processes, hang_monitor }
         });
-        Ok(Self { ways: ways.collect(), fleet })
+        Ok(Self { handles: handles.collect(), processes })
     }
 
     /// The processes.
     #[must_use]
-    pub fn fleet(&self) -> Arc<Fleet> {
-        Arc::clone(&self.fleet)
+    pub fn processes(&self) -> Arc<WorkerProcesses> {
+        Arc::clone(&self.processes)
     }
 
     /// Brings all workers into initialization mode: each step is begun everywhere before the first is awaited. The
@@ -58,37 +58,37 @@ impl Crew {
     ///
     /// # Errors
     /// The first in the script's order that could not be brought so far; others are told to go, if they were reached.
-    pub fn enlist<'a>(
+    pub fn initialize<'a>(
         self,
-        plan: &'a Plan,
+        spec: &'a RunSpec,
         wiring: &Wiring,
         sink: &MessageSink,
     ) -> Result<Vec<Box<dyn Worker + 'a>>, Failure> {
         let run = run_name();
-        let dialled: Vec<_> = thread::scope(|scope| {
-            let dial = |way| {
+        let connected: Vec<_> = thread::scope(|scope| {
+            let connect = |handle| {
                 let run = &run;
-                scope.spawn(move || Remote::dial(plan, wiring, way, Arc::clone(sink), run))
+                scope.spawn(move || Remote::connect(spec, wiring, handle, Arc::clone(sink), run))
             };
-            let threads: Vec<_> = self.ways.into_iter().map(dial).collect();
+            let threads: Vec<_> = self.handles.into_iter().map(connect).collect();
             let join = |thread: thread::ScopedJoinHandle<'_, _>| {
                 thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
             };
             threads.into_iter().map(join).collect()
         });
-        let mut remotes = dialled.into_iter().collect::<Result<Vec<_>, _>>()?;
-        for step in [Remote::greet, Remote::open, Remote::enter] {
-            let asked: Vec<_> = remotes.iter_mut().map(step).collect();
+        let mut remotes = connected.into_iter().collect::<Result<Vec<_>, _>>()?;
+        for step in [Remote::shake_hands, Remote::open, Remote::enter] {
+            let pending: Vec<_> = remotes.iter_mut().map(step).collect();
             let mut failed = None;
-            for (remote, asked) in remotes.iter_mut().zip(asked) {
-                if let Err(lost) = asked.and_then(|asked| remote.agree(asked)) {
+            for (remote, pending) in remotes.iter_mut().zip(pending) {
+                if let Err(lost) = pending.and_then(|pending| remote.confirm(pending)) {
                     failed.get_or_insert(lost.failure);
                 }
             }
             if let Some(failure) = failed {
                 for remote in &mut remotes {
                     // What goes wrong with them now is no news.
-                    remote.finish(0, Leaving::AtOnce).ok();
+                    remote.finish(0, Shutdown::Immediate).ok();
                 }
                 return Err(failure);
             }

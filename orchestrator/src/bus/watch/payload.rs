@@ -36,7 +36,7 @@ pub struct Moment<'a> {
 #[must_use]
 pub fn values(moment: Moment<'_>, variables: &[Variable], slots: &[u64]) -> Vec<u8> {
     let Moment { run, tick, step_ns } = moment;
-    json(&ValuesJson { run, tick, time: seconds(tick, step_ns), values: Values { variables, slots } })
+    json(&ValuesJson { run, tick, time: seconds(tick, step_ns), values: RowValues { variables, slots } })
 }
 
 /// How far a run is, and how its claims stand: one standing for each.
@@ -62,10 +62,10 @@ struct ValuesJson<'a> {
     run: &'a str,
     tick: u64,
     time: f64,
-    values: Values<'a>,
+    values: RowValues<'a>,
 }
 
-struct Values<'a> {
+struct RowValues<'a> {
     variables: &'a [Variable],
     slots: &'a [u64],
 }
@@ -87,19 +87,20 @@ struct ClaimJson<'a> {
     unit: Option<String>,
 }
 
-impl Serialize for Values<'_> {
+impl Serialize for RowValues<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let value = |variable: &Variable| Value { slot_type: variable.slot_type, slot: self.slots[variable.column] };
+        let value =
+            |variable: &Variable| SlotValue { slot_type: variable.slot_type, slot: self.slots[variable.column] };
         serializer.collect_map(self.variables.iter().map(|variable| (&variable.name, value(variable))))
     }
 }
 
-struct Value {
+struct SlotValue {
     slot_type: SlotType,
     slot: u64,
 }
 
-impl Serialize for Value {
+impl Serialize for SlotValue {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self.slot_type {
             SlotType::Real => match f64::from_bits(self.slot) {
@@ -122,7 +123,23 @@ fn json(value: &impl Serialize) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::example::{claim_info, standing};
+    use results::verdict::{Limit, MarginUnit};
+
+    /// What reports say of a claim.
+    fn claim_info(name: &str, text: &str, unit: Option<(&str, f64)>, limit: Option<(f64, bool)>) -> ClaimInfo {
+        ClaimInfo {
+            name: name.to_owned(),
+            text: text.to_owned(),
+            line: 34,
+            unit: unit.map(|(name, factor)| MarginUnit { name: name.to_owned(), factor }),
+            limit: limit.map(|(value, upper)| Limit { value, upper }),
+        }
+    }
+
+    /// How a claim stands.
+    fn standing(verdict: Verdict, margin: f64, worst_tick: u64) -> Standing {
+        Standing { verdict, margin, worst_tick }
+    }
 
     const MOMENT: Moment<'static> = Moment { run: "0123456789abcdef", tick: 1234, step_ns: 10_000_000 };
 

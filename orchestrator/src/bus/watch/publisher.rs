@@ -7,7 +7,7 @@ use super::{Rate, SAMPLE_EVERY, Shared};
 use crate::flatten::claims::info;
 use crate::flatten::columns;
 use crate::host::supervise::standings;
-use crate::run::run_spec::Plan;
+use crate::run::run_spec::RunSpec;
 use results::json_text;
 use results::run_record::RunState;
 use results::verdict::ClaimInfo;
@@ -30,7 +30,7 @@ struct Key {
 
 /// The recorded variables of an instance and their key.
 #[derive(Debug)]
-struct Instance {
+struct WatchedInstance {
     key: Key,
     variables: Vec<Variable>,
 }
@@ -45,7 +45,7 @@ pub(super) struct Publisher {
     step_ns: u64,
     columns: usize,
     claims: Vec<ClaimInfo>,
-    instances: Vec<Instance>,
+    instances: Vec<WatchedInstance>,
     state: Key,
     taken: VecDeque<u64>,
     told_tick: Option<u64>,
@@ -59,11 +59,11 @@ impl Publisher {
         shared: Arc<Shared>,
         rate: Rate,
         run: String,
-        plan: &Plan,
+        spec: &RunSpec,
     ) -> Result<Self, zenoh::Error> {
         let session = listening.session.clone();
-        let scenario = &plan.scenario;
-        let description_of = |instance: usize| &plan.units[plan.unit_of[instance]].description;
+        let scenario = &spec.scenario;
+        let description_of = |instance: usize| &spec.units[spec.unit_of[instance]].description;
         let signals: Vec<_> = columns::of(scenario, description_of).collect();
         let mut instances = Vec::new();
         for (index, instance) in scenario.instances.iter().enumerate() {
@@ -80,7 +80,7 @@ impl Publisher {
                 slot_type: signals[column].slot_type,
             };
             let key = Key::declare(&session, keys::values(&run, &instance.name), &shared)?;
-            instances.push(Instance { key, variables: columns.iter().map(variable).collect() });
+            instances.push(WatchedInstance { key, variables: columns.iter().map(variable).collect() });
         }
         Ok(Self {
             state: Key::declare(&session, keys::live(&run), &shared)?,
@@ -118,7 +118,7 @@ impl Publisher {
         self.shared.rows().exchange(&mut self.taken);
         for row in self.taken.make_contiguous().chunks_exact(self.columns + 1) {
             let moment = Moment { run: &self.run, tick: row[0], step_ns: self.step_ns };
-            for Instance { key, variables } in &self.instances {
+            for WatchedInstance { key, variables } in &self.instances {
                 key.put(|| payload::values(moment, variables, &row[1..]));
             }
         }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::example::{description, scenario};
-use crate::run::run_spec::PlannedUnit;
+use crate::run::run_spec::UnitSpec;
 use dsl::scenario::{Column, Port};
 use serde_json::Value;
 use std::collections::VecDeque;
@@ -12,14 +12,14 @@ use zenoh::sample::Sample;
 use zenoh::{Session, Wait};
 
 /// A run of `quad.height` and `quad.method`.
-fn plan() -> Plan {
+fn spec() -> RunSpec {
     let mut scenario = scenario();
     for (name, variable) in [("quad.height", 0), ("quad.method", 1)] {
         scenario.columns.push(Column { name: name.to_owned(), port: Port { instance: 0, variable } });
     }
     let (name, description, sha256) = ("quadcopter".to_owned(), description(), String::new());
-    let unit = PlannedUnit { name, folder: PathBuf::new(), description, sha256 };
-    Plan {
+    let unit = UnitSpec { name, folder: PathBuf::new(), description, sha256 };
+    RunSpec {
         scenario,
         units: vec![unit],
         unit_of: vec![0],
@@ -39,7 +39,7 @@ fn plan() -> Plan {
 fn begun(rate: Rate) -> (Box<Watch>, Session, Arc<Board>) {
     let listening = Listening::at(ANY_LOCAL_PORT).unwrap();
     let session = listening.session.clone();
-    let mut watch = Box::new(Watch::new(listening, &plan(), rate).unwrap());
+    let mut watch = Box::new(Watch::new(listening, &spec(), rate).unwrap());
     let board = Arc::new(Board::private(&BoardLayout { notes: 1, columns: 2, claims: 0 }).unwrap());
     watch.begin(&board);
     (watch, session, board)

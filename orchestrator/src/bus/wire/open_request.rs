@@ -1,7 +1,7 @@
 //! What is said besides blocks: who calls whom, which instances a worker holds, what a reply tells in words.
 
 use crate::flatten::values::{Slot, Values};
-use crate::flatten::wiring::Pick;
+use crate::flatten::wiring::VariableSlot;
 use crate::run::message::Message;
 use crate::run::run_spec::path_bytes;
 use crate::run::worker::{Lost, Terminated};
@@ -20,7 +20,7 @@ const MOST_WORDS: usize = 256 << 10;
 
 /// Who speaks; JSON, so that every version can read that of every other.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Speaker {
+pub struct Handshake {
     /// [`PROTOCOL`]
     pub protocol: u32,
     /// The version of Lockstep.
@@ -29,7 +29,7 @@ pub struct Speaker {
     pub target: String,
 }
 
-impl Speaker {
+impl Handshake {
     /// This program.
     #[must_use]
     pub fn this() -> Self {
@@ -57,9 +57,9 @@ impl Speaker {
     }
 }
 
-/// What a worker is to hold.
+/// What a worker is to held.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Opening {
+pub struct OpenRequest {
     /// The communication step in nanoseconds.
     pub step_ns: u64,
     /// The folder that `file("…")` is relative to.
@@ -68,9 +68,9 @@ pub struct Opening {
     /// The units of its instances, each once.
     pub units: Vec<Unit>,
     /// Its instances, in the script's order.
-    pub instances: Vec<Held>,
+    pub instances: Vec<InstanceSpec>,
     /// Its groups.
-    pub groups: Vec<Company>,
+    pub groups: Vec<GroupSpec>,
 }
 
 /// A unit as a worker is told of it.
@@ -87,7 +87,7 @@ pub struct Unit {
 
 /// An instance as a worker is told of it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Held {
+pub struct InstanceSpec {
     /// Its index in the scenario.
     pub index: usize,
     /// Its name in the script.
@@ -106,14 +106,14 @@ pub struct Held {
 
 /// Instances that step and deliver together.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Company {
+pub struct GroupSpec {
     /// The period in ticks.
     pub every: u64,
     /// The instances by their index in the scenario.
     pub instances: Vec<usize>,
 }
 
-impl Opening {
+impl OpenRequest {
     /// A number for the layout of blocks: equal where both sides mean the same by every value. Each side computes it from
     /// the descriptions that it has read itself; `None` if a variable is not there.
     #[must_use]
@@ -159,7 +159,7 @@ pub struct Picked {
 impl Picked {
     /// Picks values out of all.
     #[must_use]
-    pub fn out_of(instance: usize, picks: &[Pick], all: &Values) -> Self {
+    pub fn out_of(instance: usize, picks: &[VariableSlot], all: &Values) -> Self {
         let mut values = Values::default();
         for pick in picks {
             let slot = values.add(pick.slot.base);
@@ -171,15 +171,15 @@ impl Picked {
 
     /// The same variables with places in [`Picked::values`]; `None` if there is not a value for each.
     #[must_use]
-    pub fn picks(&self) -> Option<Vec<Pick>> {
+    pub fn picks(&self) -> Option<Vec<VariableSlot>> {
         let mut counted = Values::default();
-        let picks = self.variables.iter().map(|&(base, reference)| Pick { slot: counted.add(base), reference });
+        let picks = self.variables.iter().map(|&(base, reference)| VariableSlot { slot: counted.add(base), reference });
         let picks = picks.collect();
         (counted.end() == self.values.end()).then_some(picks)
     }
 
     /// Puts the values where they belong among all.
-    pub fn put_into(&self, picks: &[Pick], all: &mut Values) {
+    pub fn put_into(&self, picks: &[VariableSlot], all: &mut Values) {
         let mut counted = Values::default();
         for pick in picks {
             let slot: Slot = counted.add(pick.slot.base);
@@ -190,8 +190,8 @@ impl Picked {
 
 /// What a reply says besides its blocks; mostly nothing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Aside {
-    /// Words and calls of its units since the reply before.
+pub struct ReplyExtras {
+    /// LogOrder and calls of its units since the reply before.
     pub said: Vec<Message>,
     /// Instances that are done for good.
     pub terminated: Vec<Terminated>,
@@ -203,7 +203,7 @@ pub struct Aside {
     pub states: Vec<(usize, Vec<u8>)>,
 }
 
-impl Aside {
+impl ReplyExtras {
     /// As bytes: none where there is nothing to say.
     #[must_use]
     pub fn bytes(&self) -> Vec<u8> {
@@ -258,11 +258,11 @@ mod tests {
 
     #[test]
     fn another_protocol_version_or_target_is_told_apart() {
-        let this = Speaker::this();
+        let this = Handshake::this();
         assert_eq!(this.agrees_with(&this), Ok(()));
-        let other = Speaker { protocol: 99, ..this.clone() };
+        let other = Handshake { protocol: 99, ..this.clone() };
         assert_eq!(this.agrees_with(&other), Err("its worker has protocol 99, this program 1".to_owned()));
-        let other = Speaker { target: "pdp11-unix".to_owned(), ..this.clone() };
+        let other = Handshake { target: "pdp11-unix".to_owned(), ..this.clone() };
         assert!(this.agrees_with(&other).is_err_and(|said| said.contains("target pdp11-unix")));
     }
 
@@ -274,7 +274,7 @@ mod tests {
             booleans: vec![1],
             texts: vec!["a".to_owned(), "b".to_owned()],
         };
-        let pick = |base, index, reference| Pick { slot: Slot { base, index }, reference };
+        let pick = |base, index, reference| VariableSlot { slot: Slot { base, index }, reference };
         let picks = [pick(BaseType::Real, 2, 8), pick(BaseType::String, 1, 9), pick(BaseType::Real, 1, 7)];
         let picked = Picked::out_of(4, &picks, &all);
         assert_eq!((picked.values.reals[0], picked.values.texts.as_slice()), (2.0, ["b".to_owned()].as_slice()));
@@ -292,13 +292,13 @@ mod tests {
 
     #[test]
     fn a_reply_without_words_has_no_bytes_and_garbage_is_none() {
-        assert_eq!(Aside::default().bytes(), [0_u8; 0]);
-        assert_eq!(Aside::read(&[]), Some(Aside::default()));
-        let aside = Aside { states: vec![(1, vec![2, 3])], ..Aside::default() };
-        let mut bytes = aside.bytes();
-        assert_eq!(Aside::read(&bytes), Some(aside));
+        assert_eq!(ReplyExtras::default().bytes(), [0_u8; 0]);
+        assert_eq!(ReplyExtras::read(&[]), Some(ReplyExtras::default()));
+        let extras = ReplyExtras { states: vec![(1, vec![2, 3])], ..ReplyExtras::default() };
+        let mut bytes = extras.bytes();
+        assert_eq!(ReplyExtras::read(&bytes), Some(extras));
         bytes.push(0);
-        assert_eq!(Aside::read(&bytes), None);
+        assert_eq!(ReplyExtras::read(&bytes), None);
     }
 
     #[test]
@@ -308,7 +308,7 @@ mod tests {
             let (category, text) = (String::new(), "x".repeat(length));
             Message::Log(LogMessage { instance, tick: 0, counts_at: 0, status: 0, category, text })
         };
-        let saying = |told| Aside { said: vec![told], ..Aside::default() };
+        let saying = |told| ReplyExtras { said: vec![told], ..ReplyExtras::default() };
         let calls = |instance| Message::Calls(CallPiece { instance, bytes: Vec::new() });
         for its_own in [said(Some(3), 9), said(None, 9), calls(3)] {
             assert!(saying(its_own).is_of(holds));
@@ -318,18 +318,18 @@ mod tests {
             assert!(!saying(other).is_of(holds));
         }
         let ended = Terminated { instance: 99, last_successful_time_s: 0.0 };
-        assert!(!Aside { terminated: vec![ended], ..Aside::default() }.is_of(holds));
+        assert!(!ReplyExtras { terminated: vec![ended], ..ReplyExtras::default() }.is_of(holds));
         let (doing, cause) = (Doing::BetweenCalls, Cause::Other("x".repeat(MOST_WORDS)));
         let lost = |instance, cause| Lost { instance, failure: Failure { instance: None, doing, time_s: None, cause } };
-        assert!(Aside { lost: Some(lost(3, Cause::Signal(9))), ..Aside::default() }.is_of(holds));
-        assert!(!Aside { lost: Some(lost(2, Cause::Signal(9))), ..Aside::default() }.is_of(holds));
-        assert!(!Aside { lost: Some(lost(3, cause)), ..Aside::default() }.is_of(holds));
+        assert!(ReplyExtras { lost: Some(lost(3, Cause::Signal(9))), ..ReplyExtras::default() }.is_of(holds));
+        assert!(!ReplyExtras { lost: Some(lost(2, Cause::Signal(9))), ..ReplyExtras::default() }.is_of(holds));
+        assert!(!ReplyExtras { lost: Some(lost(3, cause)), ..ReplyExtras::default() }.is_of(holds));
     }
 
     proptest::proptest! {
         #[test]
         fn any_bytes_are_read_without_a_panic(bytes: Vec<u8>) {
-            let _ = (Aside::read(&bytes), read::<Opening>(&bytes).is_some(), read::<Initial>(&bytes));
+            let _ = (ReplyExtras::read(&bytes), read::<OpenRequest>(&bytes).is_some(), read::<Initial>(&bytes));
         }
     }
 }

@@ -1,13 +1,13 @@
 //! Messages survive the way, and bytes that are none do no harm.
 
 use super::*;
-use crate::flatten::wiring::Span;
+use crate::flatten::wiring::VariableRange;
 use proptest::prelude::*;
 
 /// The ports of an instance with so many variables of each type, whose values begin at index 1.
 fn ports(counts: [usize; 4]) -> Ports {
     let [reals, integers, booleans, texts] =
-        counts.map(|count| Span { start: 1, references: vec![0; count], variables: vec![0; count] });
+        counts.map(|count| VariableRange { start: 1, references: vec![0; count], variables: vec![0; count] });
     Ports { reals, integers, booleans, texts }
 }
 
@@ -40,7 +40,7 @@ fn bits(values: &Values) -> (Vec<u64>, &[i32], &[i32], &[String]) {
 
 proptest! {
     #[test]
-    fn what_is_written_is_read_to_the_same_bits(all in prop::collection::vec(any_values(), 0..4), aside: Vec<u8>) {
+    fn what_is_written_is_read_to_the_same_bits(all in prop::collection::vec(any_values(), 0..4), extras: Vec<u8>) {
         let mut outgoing = Outgoing::new(&header());
         let ports_of = |values: &Values| {
             ports([values.reals.len(), values.integers.len(), values.booleans.len(), values.texts.len()])
@@ -54,9 +54,9 @@ proptest! {
         for (instance, values) in all.iter().enumerate() {
             outgoing.block(instance, &ports_of(values), &placed(values));
         }
-        let bytes = outgoing.finish(&aside);
+        let bytes = outgoing.finish(&extras);
         let mut incoming = Incoming::read(&bytes).unwrap();
-        prop_assert_eq!((incoming.header, incoming.aside), (header(), aside.as_slice()));
+        prop_assert_eq!((incoming.header, incoming.extras), (header(), extras.as_slice()));
         for (instance, values) in all.iter().enumerate() {
             let blank = Values {
                 reals: vec![0.0; values.reals.len()],

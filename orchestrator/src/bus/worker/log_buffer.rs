@@ -8,9 +8,9 @@ use unit::logger::LogMessage;
 /// One reply takes no more bytes of words than these; the rest is dropped, and how much that was is told. Calls are never.
 const MOST_BYTES: usize = 8 << 20;
 
-/// Words that wait for a reply.
+/// LogOrder that wait for a reply.
 #[derive(Debug)]
-pub struct Spoken {
+pub struct LogBuffer {
     board: Arc<Board>,
     /// What was taken from the board to make room.
     taken: Mutex<Taken>,
@@ -23,7 +23,7 @@ struct Taken {
     dropped: usize,
 }
 
-impl Spoken {
+impl LogBuffer {
     pub fn new(board: Arc<Board>) -> Arc<Self> {
         Arc::new(Self { board, taken: Mutex::default() })
     }
@@ -74,8 +74,8 @@ mod tests {
     use super::*;
     use unit::board::BoardLayout;
 
-    fn spoken() -> Arc<Spoken> {
-        Spoken::new(Arc::new(Board::private(&BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap()))
+    fn log_buffer() -> Arc<LogBuffer> {
+        LogBuffer::new(Arc::new(Board::private(&BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap()))
     }
 
     fn said(text: String) -> Message {
@@ -90,19 +90,19 @@ mod tests {
 
     #[test]
     fn more_words_than_the_board_holds_are_kept_in_order() {
-        let spoken = spoken();
+        let log_buffer = log_buffer();
         let expected: Vec<_> = (0..3000).map(|i| format!("{i} {}", "x".repeat(1000))).collect();
-        expected.iter().for_each(|text| spoken.say(&said(text.clone())));
-        assert!(texts(spoken.take()) == expected);
-        assert_eq!(spoken.take(), []);
+        expected.iter().for_each(|text| log_buffer.say(&said(text.clone())));
+        assert!(texts(log_buffer.take()) == expected);
+        assert_eq!(log_buffer.take(), []);
     }
 
     #[test]
     fn a_flood_of_words_is_cut_and_that_is_told() {
-        let spoken = spoken();
+        let log_buffer = log_buffer();
         let long = "x".repeat(60_000);
-        (0..1000).for_each(|_| spoken.say(&said(long.clone())));
-        let told = texts(spoken.take());
+        (0..1000).for_each(|_| log_buffer.say(&said(long.clone())));
+        let told = texts(log_buffer.take());
         assert!(told.len() < 200, "{}", told.len());
         let last = &told[told.len() - 1];
         assert_eq!(last, &format!("… ({} more messages of this step are left out)", 1001 - told.len()));

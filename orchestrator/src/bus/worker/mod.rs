@@ -8,7 +8,7 @@ mod service;
 
 use crate::bus::link::{Listening, put};
 use crate::host::orphan::end_when_orphaned;
-pub(super) use log_buffer::Spoken;
+pub(super) use log_buffer::LogBuffer;
 pub(super) use service::Service;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -54,7 +54,7 @@ pub fn serve(address: &Address) -> Result<(), String> {
     let line = Listening::on(&address.socket())?;
     let (run, mut message) = line.next()?;
     let answers = line.answer(&run)?;
-    let mut service = Service::new(Arc::clone(&board), Spoken::new(board));
+    let mut service = Service::new(Arc::clone(&board), LogBuffer::new(board));
     loop {
         put(&answers, &service.answer(&message)?)?;
         if service.is_over() {

@@ -37,9 +37,9 @@ impl Live {
         let Some(listening) = listening else { return Ok(run.into()) };
         let rate = if self.live_every_tick { Rate::EveryTick } else { Rate::Sample };
         let addresses = listening.addresses().to_vec();
-        let watch = Watch::new(listening, &run.plan, rate).map_err(|error| refusal(&error))?;
+        let watch = Watch::new(listening, &run.spec, rate).map_err(|error| refusal(&error))?;
         status(&told(watch.run(), &addresses));
-        run.plan.live = true;
+        run.spec.live = true;
         Ok(ReadyRun { run, observer: Some(Box::new(watch)) })
     }
 }

@@ -1,7 +1,7 @@
 //! What a run saves and where it continues from: checked before it begins.
 
 use super::Refusal;
-use crate::run::run_spec::PlannedUnit;
+use crate::run::run_spec::UnitSpec;
 use crate::run::step_loop::Checkpoint;
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;
@@ -13,7 +13,7 @@ use unit::time::seconds;
 
 /// What is wished for.
 #[derive(Clone, Debug, Default)]
-pub struct CheckpointWishes {
+pub struct CheckpointOptions {
     /// When to save, and to which files.
     pub saves: Vec<(Duration, PathBuf)>,
     /// The file to continue from.
@@ -24,7 +24,7 @@ pub struct CheckpointWishes {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate<'a> {
     pub scenario: &'a Scenario,
-    pub units: &'a [PlannedUnit],
+    pub units: &'a [UnitSpec],
     pub unit_of: &'a [usize],
     pub record: &'a RunRecord,
 }
@@ -41,7 +41,7 @@ impl Candidate<'_> {
     ///
     /// # Errors
     /// Units that cannot be saved, times at which nothing can be saved, a file that cannot be continued from.
-    pub fn checkpoints(&self, wishes: &CheckpointWishes) -> Result<Checkpoints, Refusal> {
+    pub fn checkpoints(&self, wishes: &CheckpointOptions) -> Result<Checkpoints, Refusal> {
         if wishes.saves.is_empty() && wishes.from.is_none() {
             return Ok(Checkpoints::default());
         }
@@ -54,7 +54,7 @@ impl Candidate<'_> {
     }
 
     fn refuse_units_without_states(&self) -> Result<(), Refusal> {
-        let lacks = |unit: &PlannedUnit| {
+        let lacks = |unit: &UnitSpec| {
             let offers = unit.description.co_simulation.as_ref();
             let lacking = [
                 ("canGetAndSetFMUstate", offers.is_some_and(|offers| offers.can_get_and_set_fmu_state)),

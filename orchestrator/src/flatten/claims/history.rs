@@ -3,11 +3,11 @@
 //! Such a word has one value for each tick, and all of them change with the last sample. So the values of its bounded
 //! parts are kept, in memory that is there from the start, and joined afterwards in one pass for each word.
 
-use super::judged::{Join, Joined, Outcome};
+use super::judged::{Decision, Join, Joined};
 use super::memory::{Piece, Visit};
 use super::stream::{Stream, horizon, is_bounded};
 use super::window::Window;
-use crate::flatten::expression::{Moment, Place};
+use crate::flatten::expression::{Moment, SlotOf};
 use dsl::scenario::{Formula, TickWindow};
 
 /// A run of more ticks makes room for their values as it comes to them; few such runs are meant to come to their end.
@@ -17,7 +17,7 @@ const ROOM_FROM_THE_START: usize = 10_000_000;
 #[derive(Debug)]
 pub enum History {
     /// A bounded part.
-    Bounded(Stream, Vec<Outcome>),
+    Bounded(Stream, Vec<Decision>),
     /// `and`, `or`
     Junction(Join, Vec<History>),
     /// `always`, `eventually`, with the body's horizon.
@@ -26,20 +26,20 @@ pub enum History {
 
 impl History {
     /// Prepares for samples of ticks 0 to `stop_tick`.
-    pub fn new(formula: &Formula, stop_tick: u64, place: &mut Place<'_>) -> Self {
+    pub fn new(formula: &Formula, stop_tick: u64, slot_of: &mut SlotOf<'_>) -> Self {
         if is_bounded(formula) {
             let ticks = usize::try_from(stop_tick.saturating_add(1)).unwrap_or(usize::MAX);
             let room = Vec::with_capacity(ticks.min(ROOM_FROM_THE_START));
-            return Self::Bounded(Stream::new(formula, place), room);
+            return Self::Bounded(Stream::new(formula, slot_of), room);
         }
         match formula {
             Formula::And(parts) | Formula::Or(parts) => {
                 let join = if matches!(formula, Formula::And(_)) { Join::All } else { Join::Any };
-                Self::Junction(join, parts.iter().map(|part| Self::new(part, stop_tick, place)).collect())
+                Self::Junction(join, parts.iter().map(|part| Self::new(part, stop_tick, slot_of)).collect())
             }
             Formula::Always(window, body) | Formula::Eventually(window, body) => {
                 let join = if matches!(formula, Formula::Always(..)) { Join::All } else { Join::Any };
-                Self::Word(join, *window, horizon(body), Box::new(Self::new(body, stop_tick, place)))
+                Self::Word(join, *window, horizon(body), Box::new(Self::new(body, stop_tick, slot_of)))
             }
             Formula::Margin(_) | Formula::Condition(_) => unreachable!("an atom is bounded"),
         }
@@ -49,9 +49,9 @@ impl History {
     pub fn take(&mut self, tick: u64, sample: Option<&Moment<'_>>) {
         match self {
             Self::Bounded(stream, values) => {
-                let outcome = stream.take(tick, sample);
+                let decision = stream.take(tick, sample);
                 if tick >= stream.horizon {
-                    values.push(outcome);
+                    values.push(decision);
                 }
             }
             Self::Junction(_, parts) => parts.iter_mut().for_each(|part| part.take(tick, sample)),
@@ -72,13 +72,13 @@ impl History {
     }
 
     /// The values at ticks 0 to `last`, the tick of the last sample.
-    pub fn values(&mut self, last: u64, complete: bool) -> Vec<Outcome> {
+    pub fn values(&mut self, last: u64, complete: bool) -> Vec<Decision> {
         match self {
             Self::Bounded(stream, values) => {
                 for tick in last + 1..=last + stream.horizon {
-                    let outcome = stream.take(tick, None);
+                    let decision = stream.take(tick, None);
                     if tick >= stream.horizon {
-                        values.push(outcome);
+                        values.push(decision);
                     }
                 }
                 std::mem::take(values)
@@ -90,7 +90,7 @@ impl History {
                     for part in &parts {
                         joined.take(part[tick]);
                     }
-                    joined.outcome(true)
+                    joined.decision(true)
                 };
                 (0..parts[0].len()).map(at).collect()
             }
@@ -106,22 +106,22 @@ impl History {
 }
 
 /// The values of a bounded word, where ticks after the last are open.
-fn bounded(join: Join, from: u64, to: u64, body: &[Outcome]) -> Vec<Outcome> {
+fn bounded(join: Join, from: u64, to: u64, body: &[Decision]) -> Vec<Decision> {
     let mut window = Window::new(join, (to + 1).saturating_sub(from));
     let open = std::iter::repeat_n(&None, usize::try_from(to).unwrap_or(usize::MAX));
-    let ends = (0..).zip(body.iter().chain(open)).map(|(tick, outcome)| window.slide(tick, *outcome));
+    let ends = (0..).zip(body.iter().chain(open)).map(|(tick, decision)| window.slide(tick, *decision));
     ends.skip(usize::try_from(to).unwrap_or(usize::MAX)).collect()
 }
 
 /// The values of an unbounded word: from each tick the rest of the run, short of the body's horizon.
-fn unbounded(join: Join, from: u64, horizon: u64, body: &[Outcome], complete: bool) -> Vec<Outcome> {
+fn unbounded(join: Join, from: u64, horizon: u64, body: &[Decision], complete: bool) -> Vec<Decision> {
     let [from, horizon] = [from, horizon].map(|ticks| usize::try_from(ticks).unwrap_or(usize::MAX));
     let judgeable = body.len().saturating_sub(horizon);
     let mut values = vec![None; body.len()];
     let mut joined = Joined::new(join);
     for first in (from..judgeable).rev() {
         joined.take_earlier(body[first]);
-        values[first - from] = joined.outcome(complete);
+        values[first - from] = joined.decision(complete);
     }
     values
 }

@@ -16,7 +16,7 @@ pub struct Judged {
 }
 
 /// What is known of a value: `None` where the samples do not decide it.
-pub type Outcome = Option<Judged>;
+pub type Decision = Option<Judged>;
 
 impl Judged {
     /// Judges a comparison by its margin; not-a-number fails with margin −∞.
@@ -78,7 +78,7 @@ impl Join {
 #[derive(Clone, Copy, Debug)]
 pub struct Joined {
     join: Join,
-    counts: Outcome,
+    counts: Decision,
     open: bool,
 }
 
@@ -90,38 +90,38 @@ impl Joined {
     }
 
     /// Joins one more; among equals the first counts. Returns whether anything changed.
-    pub fn take(&mut self, outcome: Outcome) -> bool {
-        let Some(value) = outcome else { return !std::mem::replace(&mut self.open, true) };
+    pub fn take(&mut self, decision: Decision) -> bool {
+        let Some(value) = decision else { return !std::mem::replace(&mut self.open, true) };
         let counts = self.counts.is_none_or(|counts| self.join.prefers(value, counts));
         if counts {
-            self.counts = outcome;
+            self.counts = decision;
         }
         counts
     }
 
     /// Joins one that stands before all others: among equals it counts.
-    pub fn take_earlier(&mut self, outcome: Outcome) {
-        let Some(value) = outcome else { return self.open = true };
+    pub fn take_earlier(&mut self, decision: Decision) {
+        let Some(value) = decision else { return self.open = true };
         if self.counts.is_none_or(|counts| !self.join.prefers(counts, value)) {
-            self.counts = outcome;
+            self.counts = decision;
         }
     }
 
     /// Shows what it remembers.
     pub(super) fn visit(&mut self, each: &mut Visit<'_>) {
-        each(Piece::Outcomes(std::slice::from_mut(&mut self.counts)));
+        each(Piece::Decisions(std::slice::from_mut(&mut self.counts)));
         each(Piece::Flag(&mut self.open));
     }
 
     /// The value that counts among those that are decided.
     #[must_use]
-    pub fn counting(&self) -> Outcome {
+    pub fn counting(&self) -> Decision {
         self.counts
     }
 
     /// The value of all; `complete` tells that no more will come.
     #[must_use]
-    pub fn outcome(&self, complete: bool) -> Outcome {
+    pub fn decision(&self, complete: bool) -> Decision {
         self.counts.filter(|&value| complete && !self.open || self.join.is_decided_by(value))
     }
 }

@@ -4,7 +4,7 @@
 //! flat list, however deep the formulas: a checkpoint's bytes decide no depth of recursion.
 
 use super::Claims;
-use super::judged::{Judged, Outcome};
+use super::judged::{Decision, Judged};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -13,9 +13,9 @@ pub(super) enum Piece<'a> {
     /// Something that is so or not.
     Flag(&'a mut bool),
     /// Values whose number stays the same.
-    Outcomes(&'a mut [Outcome]),
+    Decisions(&'a mut [Decision]),
     /// Values whose number has grown to this.
-    Grown(&'a mut Vec<Outcome>, u64),
+    Grown(&'a mut Vec<Decision>, u64),
     /// The values of a window that can still count, this many at most.
     Candidates(&'a mut VecDeque<(u64, Judged)>, u64),
     /// A tick.
@@ -29,7 +29,7 @@ pub(super) type Visit<'a> = dyn FnMut(Piece<'_>) + 'a;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 enum Kept {
     Flag(bool),
-    Outcomes(Vec<Outcome>),
+    Decisions(Vec<Decision>),
     Candidates(Vec<(u64, Judged)>),
     Tick(Option<u64>),
 }
@@ -45,24 +45,24 @@ impl Kept {
     fn of(piece: Piece<'_>) -> Self {
         match piece {
             Piece::Flag(flag) => Self::Flag(*flag),
-            Piece::Outcomes(outcomes) => Self::Outcomes(outcomes.to_vec()),
-            Piece::Grown(outcomes, _) => Self::Outcomes(outcomes.clone()),
+            Piece::Decisions(decisions) => Self::Decisions(decisions.to_vec()),
+            Piece::Grown(decisions, _) => Self::Decisions(decisions.clone()),
             Piece::Candidates(candidates, _) => Self::Candidates(candidates.iter().copied().collect()),
             Piece::Tick(tick) => Self::Tick(*tick),
         }
     }
 
-    /// Puts it back, within the memory that is there; false if it is none of this place after so many samples.
+    /// Puts it back, within the memory that is there; false if it is none of this slot_of after so many samples.
     fn put_back(&self, piece: Piece<'_>, samples: u64) -> bool {
-        let in_time = |outcomes: &[Outcome]| outcomes.iter().flatten().all(|value| value.tick < samples);
+        let in_time = |decisions: &[Decision]| decisions.iter().flatten().all(|value| value.tick < samples);
         match (self, piece) {
             (Self::Flag(kept), Piece::Flag(flag)) => *flag = *kept,
-            (Self::Outcomes(kept), Piece::Outcomes(outcomes)) if kept.len() == outcomes.len() && in_time(kept) => {
-                outcomes.copy_from_slice(kept);
+            (Self::Decisions(kept), Piece::Decisions(decisions)) if kept.len() == decisions.len() && in_time(kept) => {
+                decisions.copy_from_slice(kept);
             }
-            (Self::Outcomes(kept), Piece::Grown(outcomes, count)) if kept.len() as u64 == count && in_time(kept) => {
-                outcomes.clear();
-                outcomes.extend_from_slice(kept);
+            (Self::Decisions(kept), Piece::Grown(decisions, count)) if kept.len() as u64 == count && in_time(kept) => {
+                decisions.clear();
+                decisions.extend_from_slice(kept);
             }
             (Self::Candidates(kept), Piece::Candidates(candidates, most))
                 if kept.len() as u64 <= most

@@ -14,14 +14,14 @@ mod window;
 
 pub use memory::Memory;
 
-use crate::flatten::expression::{Moment, Place};
+use crate::flatten::expression::{Moment, SlotOf};
 use claim::AtStart;
 use dsl::scenario::Claim;
 use results::verdict::{ClaimInfo, Limit, MarginUnit, Standing, Verdict};
 
 /// How the samples of a run came to an end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
+pub enum Completeness {
     /// The run is complete, at its stop time or where a unit ended it: unbounded words range up to here.
     Complete,
     /// The run was cut off: what is not decided stays open.
@@ -51,9 +51,9 @@ struct Monitor {
 
 impl Claims {
     /// Prepares for samples of ticks 0 to `stop_tick`.
-    pub fn new(claims: &[Claim], stop_tick: u64, place: &mut Place<'_>) -> Self {
+    pub fn new(claims: &[Claim], stop_tick: u64, slot_of: &mut SlotOf<'_>) -> Self {
         let monitor = |claim: &Claim| {
-            let formula = AtStart::new(&claim.formula, stop_tick, place);
+            let formula = AtStart::new(&claim.formula, stop_tick, slot_of);
             let standing = formula.standing(false);
             Monitor { formula, standing }
         };
@@ -88,10 +88,10 @@ impl Claims {
     }
 
     /// Decides what the samples up to `last_tick` decide, or up to none; nothing of it is undecided afterwards.
-    pub fn end(&mut self, last_tick: Option<u64>, ending: Ending, mut told: impl FnMut(usize, Standing)) {
+    pub fn end(&mut self, last_tick: Option<u64>, completeness: Completeness, mut told: impl FnMut(usize, Standing)) {
         for (index, monitor) in self.monitors.iter_mut().enumerate() {
             if let Some(last_tick) = last_tick {
-                monitor.formula.end(last_tick, ending);
+                monitor.formula.end(last_tick, completeness);
             }
             monitor.standing = monitor.formula.standing(true);
             told(index, monitor.standing);

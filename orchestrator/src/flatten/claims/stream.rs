@@ -1,9 +1,9 @@
 //! The value of a bounded formula at each tick, as soon as the samples that it looks at are there.
 
-use super::judged::{Join, Joined, Judged, Outcome};
+use super::judged::{Decision, Join, Joined, Judged};
 use super::memory::{Piece, Visit};
 use super::window::Window;
-use crate::flatten::expression::{Moment, Place, Program};
+use crate::flatten::expression::{Moment, Program, SlotOf};
 use dsl::scenario::Formula;
 
 /// How many ticks a formula looks ahead: 0 for a comparison; a bounded word adds its upper bound, an unbounded one nothing.
@@ -43,37 +43,37 @@ enum Node {
 
 impl Stream {
     /// Prepares for the first sample.
-    pub fn new(formula: &Formula, place: &mut Place<'_>) -> Self {
+    pub fn new(formula: &Formula, slot_of: &mut SlotOf<'_>) -> Self {
         let horizon = horizon(formula);
         let node = match formula {
-            Formula::Margin(_) | Formula::Condition(_) => Node::Atom(Atom::new(formula, place)),
-            Formula::And(parts) => Node::junction(Join::All, parts, horizon, place),
-            Formula::Or(parts) => Node::junction(Join::Any, parts, horizon, place),
+            Formula::Margin(_) | Formula::Condition(_) => Node::Atom(Atom::new(formula, slot_of)),
+            Formula::And(parts) => Node::junction(Join::All, parts, horizon, slot_of),
+            Formula::Or(parts) => Node::junction(Join::Any, parts, horizon, slot_of),
             Formula::Always(window, body) | Formula::Eventually(window, body) => {
                 let join = if matches!(formula, Formula::Always(..)) { Join::All } else { Join::Any };
                 let to = window.to.unwrap_or_else(|| unreachable!("an unbounded word in a bounded formula"));
                 let window = Window::new(join, (to + 1).saturating_sub(window.from));
-                Node::Word { body: Box::new(Self::new(body, place)), window }
+                Node::Word { body: Box::new(Self::new(body, slot_of)), window }
             }
         };
         Self { horizon, node }
     }
 
     /// Takes the sample of `tick`, or `None` after the last, and returns the value at `tick - horizon`.
-    pub fn take(&mut self, tick: u64, sample: Option<&Moment<'_>>) -> Outcome {
+    pub fn take(&mut self, tick: u64, sample: Option<&Moment<'_>>) -> Decision {
         match &mut self.node {
             Node::Atom(atom) => sample.map(|moment| atom.judge(tick, moment)),
             Node::Junction { join, parts } => {
                 let mut joined = Joined::new(*join);
                 for (part, delay) in parts {
-                    let outcome = part.take(tick, sample);
-                    joined.take(delay.pass(tick, outcome));
+                    let decision = part.take(tick, sample);
+                    joined.take(delay.pass(tick, decision));
                 }
-                joined.outcome(true)
+                joined.decision(true)
             }
             Node::Word { body, window } => {
-                let outcome = body.take(tick, sample);
-                tick.checked_sub(body.horizon).and_then(|at| window.slide(at, outcome))
+                let decision = body.take(tick, sample);
+                tick.checked_sub(body.horizon).and_then(|at| window.slide(at, decision))
             }
         }
     }
@@ -85,7 +85,7 @@ impl Stream {
             Node::Junction { parts, .. } => {
                 for (part, delay) in parts {
                     part.visit(each);
-                    each(Piece::Outcomes(&mut delay.0));
+                    each(Piece::Decisions(&mut delay.0));
                 }
             }
             Node::Word { body, window } => {
@@ -97,9 +97,9 @@ impl Stream {
 }
 
 impl Node {
-    fn junction(join: Join, parts: &[Formula], horizon: u64, place: &mut Place<'_>) -> Self {
+    fn junction(join: Join, parts: &[Formula], horizon: u64, slot_of: &mut SlotOf<'_>) -> Self {
         let part = |part| {
-            let stream = Stream::new(part, place);
+            let stream = Stream::new(part, slot_of);
             let delay = Delay::new(horizon - stream.horizon);
             (stream, delay)
         };
@@ -117,13 +117,13 @@ pub struct Atom {
 
 impl Atom {
     /// Compiles an atom.
-    pub fn new(formula: &Formula, place: &mut Place<'_>) -> Self {
+    pub fn new(formula: &Formula, slot_of: &mut SlotOf<'_>) -> Self {
         match formula {
             Formula::Margin(margin) => {
-                Self { program: Program::compile_real(&margin.value, place), strict: Some(margin.strict) }
+                Self { program: Program::compile_real(&margin.value, slot_of), strict: Some(margin.strict) }
             }
             Formula::Condition(condition) => {
-                Self { program: Program::compile_condition(condition, place), strict: None }
+                Self { program: Program::compile_condition(condition, slot_of), strict: None }
             }
             _ => unreachable!("{formula:?} is no atom"),
         }
@@ -140,18 +140,18 @@ impl Atom {
 
 /// Holds values back for some ticks.
 #[derive(Debug)]
-struct Delay(Vec<Outcome>);
+struct Delay(Vec<Decision>);
 
 impl Delay {
     fn new(ticks: u64) -> Self {
         Self(vec![None; usize::try_from(ticks).unwrap_or(usize::MAX)])
     }
 
-    fn pass(&mut self, tick: u64, outcome: Outcome) -> Outcome {
+    fn pass(&mut self, tick: u64, decision: Decision) -> Decision {
         let length = self.0.len() as u64;
-        match tick.checked_rem(length).and_then(|place| self.0.get_mut(usize::try_from(place).ok()?)) {
-            Some(held) => std::mem::replace(held, outcome),
-            None => outcome,
+        match tick.checked_rem(length).and_then(|slot_of| self.0.get_mut(usize::try_from(slot_of).ok()?)) {
+            Some(held) => std::mem::replace(held, decision),
+            None => decision,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Claims judged online against the definition of their words, evaluated from the whole trace.
 
-use super::judged::{Join, Joined, Judged, Outcome};
-use super::{Claims, Ending};
+use super::judged::{Decision, Join, Joined, Judged};
+use super::{Claims, Completeness};
 use crate::flatten::expression::Moment;
 use crate::flatten::values::{Slot, Values};
 use dsl::scenario::{BooleanExpression, Claim, Formula, Margin, Port, RealExpression, TickWindow};
@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use results::verdict::{Standing, Verdict};
 
 /// The value of a formula at a tick of a trace that ends with its last sample, word by word as the language defines it.
-fn defined(formula: &Formula, at: u64, trace: &[[f64; 2]], ending: Ending) -> Outcome {
+fn defined(formula: &Formula, at: u64, trace: &[[f64; 2]], completeness: Completeness) -> Decision {
     let last = trace.len() as u64 - 1;
     let sample = |variable: usize| trace.get(usize::try_from(at).unwrap()).map(|sample| sample[variable]);
     let join = if matches!(formula, Formula::And(_) | Formula::Always(..)) { Join::All } else { Join::Any };
@@ -24,17 +24,17 @@ fn defined(formula: &Formula, at: u64, trace: &[[f64; 2]], ending: Ending) -> Ou
         }
         Formula::And(parts) | Formula::Or(parts) => {
             for part in parts {
-                joined.take(defined(part, at, trace, ending));
+                joined.take(defined(part, at, trace, completeness));
             }
-            joined.outcome(true)
+            joined.decision(true)
         }
         Formula::Always(window, body) | Formula::Eventually(window, body) => {
             let last_judgeable = last.checked_sub(horizon(body));
             let to = window.to.map(|to| at + to).or(last_judgeable);
             for tick in at + window.from..to.map_or(0, |to| to + 1) {
-                joined.take(defined(body, tick, trace, ending));
+                joined.take(defined(body, tick, trace, completeness));
             }
-            joined.outcome(window.to.is_some() || ending == Ending::Complete)
+            joined.decision(window.to.is_some() || completeness == Completeness::Complete)
         }
         _ => unreachable!(),
     }
@@ -62,11 +62,11 @@ fn take(claims: &mut Claims, first_tick: u64, samples: &[[f64; 2]]) {
     }
 }
 
-fn judge(formula: &Formula, trace: &[[f64; 2]], stop_tick: u64, ending: Ending) -> (Claims, Standing) {
+fn judge(formula: &Formula, trace: &[[f64; 2]], stop_tick: u64, completeness: Completeness) -> (Claims, Standing) {
     let mut claims = claims_of(formula, stop_tick);
     take(&mut claims, 0, trace);
     let early = claims.monitors[0].standing;
-    claims.end((trace.len() as u64).checked_sub(1), ending, |_, _| {});
+    claims.end((trace.len() as u64).checked_sub(1), completeness, |_, _| {});
     (claims, early)
 }
 
@@ -129,10 +129,10 @@ proptest! {
     fn a_claim_gets_the_verdict_margin_and_tick_of_its_definition(
         formula in any_formula(), trace in any_trace(), complete: bool, more in 0..5_u64,
     ) {
-        let ending = if complete { Ending::Complete } else { Ending::CutOff };
-        let (claims, early) = judge(&formula, &trace, trace.len() as u64 - 1 + more, ending);
+        let completeness = if complete { Completeness::Complete } else { Completeness::CutOff };
+        let (claims, early) = judge(&formula, &trace, trace.len() as u64 - 1 + more, completeness);
         let standing = claims.monitors[0].standing;
-        match defined(&formula, 0, &trace, ending) {
+        match defined(&formula, 0, &trace, completeness) {
             Some(value) => {
                 let verdict = if value.holds() { Verdict::Holds } else { Verdict::Fails };
                 prop_assert_eq!(standing, Standing { verdict, margin: value.told(), worst_tick: value.tick });
@@ -149,9 +149,9 @@ proptest! {
     fn claims_go_on_from_what_they_remembered_as_if_they_had_never_stopped(
         formula in any_formula(), trace in any_trace(), cut in 1..12_usize, complete: bool, more in 0..5_u64,
     ) {
-        let ending = if complete { Ending::Complete } else { Ending::CutOff };
+        let completeness = if complete { Completeness::Complete } else { Completeness::CutOff };
         let stop_tick = trace.len() as u64 - 1 + more;
-        let (whole, _) = judge(&formula, &trace, stop_tick, ending);
+        let (whole, _) = judge(&formula, &trace, stop_tick, completeness);
         let (before, behind) = trace.split_at(cut.min(trace.len()));
         let mut saved = claims_of(&formula, stop_tick);
         take(&mut saved, 0, before);
@@ -163,7 +163,7 @@ proptest! {
         prop_assert_eq!(&postcard::to_stdvec(&continued.memory()).unwrap(), &bytes);
         take(&mut continued, samples, behind);
         prop_assert_eq!(continued.lost(), whole.lost());
-        continued.end(Some(trace.len() as u64 - 1), ending, |_, _| {});
+        continued.end(Some(trace.len() as u64 - 1), completeness, |_, _| {});
         prop_assert_eq!(continued.monitors[0].standing, whole.monitors[0].standing);
     }
 
@@ -176,7 +176,7 @@ proptest! {
         let mut claims = claims_of(&formula, 40);
         if claims.remember(&saved.memory(), samples) {
             take(&mut claims, samples, &trace);
-            claims.end(Some(samples + trace.len() as u64 - 1), Ending::Complete, |_, _| {});
+            claims.end(Some(samples + trace.len() as u64 - 1), Completeness::Complete, |_, _| {});
             prop_assert_ne!(claims.monitors[0].standing.verdict, Verdict::Undecided);
         }
     }
@@ -185,73 +185,73 @@ proptest! {
     fn what_was_decided_when_a_run_was_cut_off_holds_for_every_continuation(
         formula in any_formula(), trace in any_trace(), rest in any_trace(),
     ) {
-        let cut = judge(&formula, &trace, 40, Ending::CutOff).0.monitors[0].standing.verdict;
+        let cut = judge(&formula, &trace, 40, Completeness::CutOff).0.monitors[0].standing.verdict;
         let whole: Vec<_> = trace.iter().chain(&rest).copied().collect();
-        let later = judge(&formula, &whole, 40, Ending::CutOff).0.monitors[0].standing.verdict;
+        let later = judge(&formula, &whole, 40, Completeness::CutOff).0.monitors[0].standing.verdict;
         if cut != Verdict::Unjudged {
             prop_assert_eq!(cut, later);
         }
     }
 }
 
-fn standing_of(formula: &Formula, values: &[f64], ending: Ending) -> (Verdict, f64, u64) {
+fn standing_of(formula: &Formula, values: &[f64], completeness: Completeness) -> (Verdict, f64, u64) {
     let trace: Vec<_> = values.iter().map(|&value| [value, 0.0]).collect();
-    let standing = judge(formula, &trace, 100, ending).0.monitors[0].standing;
+    let standing = judge(formula, &trace, 100, completeness).0.monitors[0].standing;
     (standing.verdict, standing.margin, standing.worst_tick)
 }
 
 #[test]
 fn always_tells_its_smallest_margin_and_when() {
     let claim = always(0, None, above_zero(0, true));
-    assert_eq!(standing_of(&claim, &[3.0, 1.0, 2.0, 1.0], Ending::Complete), (Verdict::Holds, 1.0, 1));
-    assert_eq!(standing_of(&claim, &[3.0, 0.0, 2.0], Ending::Complete), (Verdict::Fails, 0.0, 1));
-    assert_eq!(standing_of(&claim, &[3.0, 1.0], Ending::CutOff), (Verdict::Unjudged, 1.0, 1));
-    assert_eq!(standing_of(&claim, &[3.0, -1.0], Ending::CutOff), (Verdict::Fails, -1.0, 1));
+    assert_eq!(standing_of(&claim, &[3.0, 1.0, 2.0, 1.0], Completeness::Complete), (Verdict::Holds, 1.0, 1));
+    assert_eq!(standing_of(&claim, &[3.0, 0.0, 2.0], Completeness::Complete), (Verdict::Fails, 0.0, 1));
+    assert_eq!(standing_of(&claim, &[3.0, 1.0], Completeness::CutOff), (Verdict::Unjudged, 1.0, 1));
+    assert_eq!(standing_of(&claim, &[3.0, -1.0], Completeness::CutOff), (Verdict::Fails, -1.0, 1));
 }
 
 #[test]
 fn the_last_seconds_that_cannot_be_judged_are_not() {
     let claim = always(0, None, eventually(0, Some(2), above_zero(0, true)));
     let recovers = [1.0, -1.0, -1.0, 1.0, -1.0, -1.0];
-    assert_eq!(standing_of(&claim, &recovers, Ending::Complete), (Verdict::Holds, 1.0, 0));
-    assert_eq!(standing_of(&claim, &[1.0, -1.0, -1.0, -2.0], Ending::Complete), (Verdict::Fails, -1.0, 1));
-    assert_eq!(standing_of(&claim, &[1.0, -1.0], Ending::Complete).0, Verdict::Unjudged);
+    assert_eq!(standing_of(&claim, &recovers, Completeness::Complete), (Verdict::Holds, 1.0, 0));
+    assert_eq!(standing_of(&claim, &[1.0, -1.0, -1.0, -2.0], Completeness::Complete), (Verdict::Fails, -1.0, 1));
+    assert_eq!(standing_of(&claim, &[1.0, -1.0], Completeness::Complete).0, Verdict::Unjudged);
 }
 
 #[test]
 fn a_window_cut_short_is_judged_if_its_samples_decide_it() {
     let reach = eventually(0, Some(9), above_zero(0, true));
-    assert_eq!(standing_of(&reach, &[-1.0, 2.0, 1.0], Ending::Complete), (Verdict::Holds, 2.0, 1));
-    assert_eq!(standing_of(&reach, &[-1.0, -2.0], Ending::Complete).0, Verdict::Unjudged);
+    assert_eq!(standing_of(&reach, &[-1.0, 2.0, 1.0], Completeness::Complete), (Verdict::Holds, 2.0, 1));
+    assert_eq!(standing_of(&reach, &[-1.0, -2.0], Completeness::Complete).0, Verdict::Unjudged);
     let stay = always(0, Some(9), above_zero(0, true));
-    assert_eq!(standing_of(&stay, &[1.0, -2.0], Ending::Complete), (Verdict::Fails, -2.0, 1));
-    assert_eq!(standing_of(&stay, &[1.0, 2.0], Ending::Complete).0, Verdict::Unjudged);
+    assert_eq!(standing_of(&stay, &[1.0, -2.0], Completeness::Complete), (Verdict::Fails, -2.0, 1));
+    assert_eq!(standing_of(&stay, &[1.0, 2.0], Completeness::Complete).0, Verdict::Unjudged);
 }
 
 #[test]
 fn an_unbounded_word_whose_range_is_empty_is_unjudged() {
     let late = always(5, None, above_zero(0, true));
-    assert_eq!(standing_of(&late, &[1.0; 5], Ending::Complete).0, Verdict::Unjudged);
-    assert_eq!(standing_of(&late, &[1.0; 6], Ending::Complete), (Verdict::Holds, 1.0, 5));
+    assert_eq!(standing_of(&late, &[1.0; 5], Completeness::Complete).0, Verdict::Unjudged);
+    assert_eq!(standing_of(&late, &[1.0; 6], Completeness::Complete), (Verdict::Holds, 1.0, 5));
 }
 
 #[test]
 fn not_a_number_fails_at_its_sample_only() {
     let [always, eventually] = [always(0, None, above_zero(0, true)), eventually(0, None, above_zero(0, true))];
     let values = [1.0, f64::NAN, 2.0];
-    assert_eq!(standing_of(&always, &values, Ending::Complete), (Verdict::Fails, f64::NEG_INFINITY, 1));
-    assert_eq!(standing_of(&eventually, &values, Ending::Complete), (Verdict::Holds, 2.0, 2));
+    assert_eq!(standing_of(&always, &values, Completeness::Complete), (Verdict::Fails, f64::NEG_INFINITY, 1));
+    assert_eq!(standing_of(&eventually, &values, Completeness::Complete), (Verdict::Holds, 2.0, 2));
 }
 
 #[test]
 fn a_run_too_long_for_memory_begins_all_the_same() {
     let word_in_word = always(0, None, eventually(0, None, above_zero(0, true)));
-    let (claims, _) = judge(&word_in_word, &[[1.0, 0.0]], u64::MAX, Ending::Complete);
+    let (claims, _) = judge(&word_in_word, &[[1.0, 0.0]], u64::MAX, Completeness::Complete);
     assert_eq!(claims.monitors.len(), 1);
 }
 
 #[test]
 fn a_run_without_a_sample_leaves_every_claim_unjudged() {
-    let (claims, _) = judge(&above_zero(0, true), &[], 10, Ending::CutOff);
+    let (claims, _) = judge(&above_zero(0, true), &[], 10, Completeness::CutOff);
     assert_eq!(claims.monitors[0].standing.verdict, Verdict::Unjudged);
 }

@@ -1,6 +1,6 @@
 //! The smallest or largest value of a window that slides over a stream.
 
-use super::judged::{Join, Judged, Outcome};
+use super::judged::{Decision, Join, Judged};
 use super::memory::{Piece, Visit};
 use std::collections::VecDeque;
 
@@ -22,12 +22,12 @@ impl Window {
     }
 
     /// Slides on to `tick`, takes its value and returns the value of the window that ends there.
-    pub fn slide(&mut self, tick: u64, outcome: Outcome) -> Outcome {
+    pub fn slide(&mut self, tick: u64, decision: Decision) -> Decision {
         let first = (tick + 1).saturating_sub(self.width);
         while self.candidates.front().is_some_and(|&(at, _)| at < first) {
             self.candidates.pop_front();
         }
-        match outcome {
+        match decision {
             None => self.last_open = Some(tick),
             Some(value) => {
                 while self.candidates.back().is_some_and(|&(_, earlier)| self.join.prefers(value, earlier)) {

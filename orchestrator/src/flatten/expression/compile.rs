@@ -6,22 +6,22 @@ use dsl::scenario::{BooleanExpression, Curve, Function, Margin, Operand, Port, R
 use fmi2::description::BaseType;
 
 /// Where the value of a port stands; asked for every signal of an expression.
-pub type Place<'a> = dyn FnMut(Port) -> Slot + 'a;
+pub type SlotOf<'a> = dyn FnMut(Port) -> Slot + 'a;
 
 impl Program {
     /// Compiles a real expression.
-    pub fn compile_real(expression: &RealExpression, place: &mut Place<'_>) -> Self {
-        Self::compile(|compiler| compiler.real(expression), place)
+    pub fn compile_real(expression: &RealExpression, slot_of: &mut SlotOf<'_>) -> Self {
+        Self::compile(|compiler| compiler.real(expression), slot_of)
     }
 
     /// Compiles a condition.
-    pub fn compile_condition(condition: &BooleanExpression, place: &mut Place<'_>) -> Self {
-        Self::compile(|compiler| compiler.condition(condition), place)
+    pub fn compile_condition(condition: &BooleanExpression, slot_of: &mut SlotOf<'_>) -> Self {
+        Self::compile(|compiler| compiler.condition(condition), slot_of)
     }
 
     /// Compiles the reading of one number: a Real, Integer, Enumeration or Boolean.
-    pub fn compile_signal(port: Port, place: &mut Place<'_>) -> Self {
-        Self::compile(|compiler| compiler.signal(port), place)
+    pub fn compile_signal(port: Port, slot_of: &mut SlotOf<'_>) -> Self {
+        Self::compile(|compiler| compiler.signal(port), slot_of)
     }
 
     /// The value of a curve over time.
@@ -30,8 +30,8 @@ impl Program {
         Self { operations: [Operation::Curve(curve.clone())].into(), stack: [0.0].into() }
     }
 
-    fn compile(write: impl FnOnce(&mut Compiler<'_, '_>), place: &mut Place<'_>) -> Self {
-        let mut compiler = Compiler { place, operations: Vec::new(), depth: 0, deepest: 0 };
+    fn compile(write: impl FnOnce(&mut Compiler<'_, '_>), slot_of: &mut SlotOf<'_>) -> Self {
+        let mut compiler = Compiler { slot_of, operations: Vec::new(), depth: 0, deepest: 0 };
         write(&mut compiler);
         assert_eq!(compiler.depth, 1, "an expression leaves one value on the stack");
         Self { operations: compiler.operations.into(), stack: vec![0.0; compiler.deepest].into() }
@@ -39,7 +39,7 @@ impl Program {
 }
 
 struct Compiler<'a, 'p> {
-    place: &'a mut Place<'p>,
+    slot_of: &'a mut SlotOf<'p>,
     operations: Vec<Operation>,
     depth: usize,
     deepest: usize,
@@ -62,7 +62,7 @@ impl Compiler<'_, '_> {
     }
 
     fn signal(&mut self, port: Port) {
-        let slot = (self.place)(port);
+        let slot = (self.slot_of)(port);
         let index = index(slot);
         self.push(match slot.base {
             BaseType::Real => Operation::Real(index),
@@ -191,7 +191,7 @@ impl Compiler<'_, '_> {
             Operand::Constant(Value::String(text) | Value::File(text)) => Some(Text::Constant(text.clone())),
             Operand::Constant(_) => None,
             Operand::Signal(port) => {
-                let slot = (self.place)(*port);
+                let slot = (self.slot_of)(*port);
                 (slot.base == BaseType::String).then(|| Text::Slot(index(slot)))
             }
         }

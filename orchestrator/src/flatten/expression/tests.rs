@@ -7,7 +7,7 @@ use fmi2::description::BaseType;
 use proptest::prelude::*;
 
 /// Variables of instance 0 are Reals 0, 1, …; of instance 1 Integers, of 2 Booleans, of 3 texts.
-fn place(port: Port) -> Slot {
+fn slot_of(port: Port) -> Slot {
     let base = [BaseType::Real, BaseType::Integer, BaseType::Boolean, BaseType::String][port.instance];
     Slot { base, index: port.variable }
 }
@@ -23,12 +23,12 @@ fn outputs() -> Values {
 
 fn real(expression: &E) -> f64 {
     let moment = Moment { outputs: &outputs(), time_s: 1.5, rises: &[false, true] };
-    Program::compile_real(expression, &mut place).real(&moment)
+    Program::compile_real(expression, &mut slot_of).real(&moment)
 }
 
 fn holds(condition: &B) -> bool {
     let moment = Moment { outputs: &outputs(), time_s: 1.5, rises: &[false, true] };
-    Program::compile_condition(condition, &mut place).holds(&moment)
+    Program::compile_condition(condition, &mut slot_of).holds(&moment)
 }
 
 fn signal(variable: usize) -> E {

@@ -2,7 +2,7 @@
 
 use super::feed::Computed;
 use super::groups::Group;
-use super::slot_table::Places;
+use super::slot_table::SlotTable;
 use crate::flatten::expression::Moment;
 use crate::flatten::values::{Slot, Values};
 use dsl::scenario::{Port, Scenario, Value};
@@ -69,7 +69,7 @@ impl Override {
 pub(super) fn plan(
     scenario: &Scenario,
     groups: &[Group],
-    places: &Places,
+    places: &SlotTable,
     inputs: &Values,
 ) -> (Vec<Vec<Override>>, Vec<Change>) {
     let connected: BTreeSet<Port> = scenario.connections.iter().map(|connection| connection.target).collect();

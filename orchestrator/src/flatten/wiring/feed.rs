@@ -1,6 +1,6 @@
 //! What connections bring to the inputs of a group: plain copies as runs of neighbours, and computed values.
 
-use super::slot_table::Places;
+use super::slot_table::SlotTable;
 use crate::flatten::expression::{Moment, Program};
 use crate::flatten::values::{Slot, Values};
 use dsl::scenario::{Connection, Drive};
@@ -9,7 +9,7 @@ use fmi2::description::BaseType;
 /// All connections of one kind into one group.
 #[derive(Debug, Default)]
 pub struct Feed {
-    reals: Vec<Run>,
+    reals: Vec<CopyRange>,
     /// Many groups are fed with Reals only.
     others: Option<Box<Others>>,
 }
@@ -17,15 +17,15 @@ pub struct Feed {
 /// What is no plain copy of Reals.
 #[derive(Debug, Default)]
 struct Others {
-    integers: Vec<Run>,
-    booleans: Vec<Run>,
-    texts: Vec<Run>,
+    integers: Vec<CopyRange>,
+    booleans: Vec<CopyRange>,
+    texts: Vec<CopyRange>,
     computed: Vec<Computed>,
 }
 
 /// Neighbours that are copied to neighbours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Run {
+pub struct CopyRange {
     /// The first source.
     pub from: usize,
     /// The first target.
@@ -53,7 +53,7 @@ enum ComputedValue {
 
 impl Feed {
     /// Compiles connections, which come in the order of their targets.
-    pub(super) fn new(connections: &[&Connection], places: &Places) -> Self {
+    pub(super) fn new(connections: &[&Connection], places: &SlotTable) -> Self {
         let mut feed = Self::default();
         for connection in connections {
             let to = places.pick_input(connection.target).slot;
@@ -75,7 +75,7 @@ impl Feed {
         };
         match runs.last_mut().filter(|run| (run.from + run.length, run.to + run.length) == (from.index, to.index)) {
             Some(run) => run.length += 1,
-            None => runs.push(Run { from: from.index, to: to.index, length: 1 }),
+            None => runs.push(CopyRange { from: from.index, to: to.index, length: 1 }),
         }
     }
 
@@ -114,7 +114,7 @@ impl Others {
 }
 
 #[inline]
-fn copy<T: Copy>(runs: &[Run], from: &[T], to: &mut [T]) {
+fn copy<T: Copy>(runs: &[CopyRange], from: &[T], to: &mut [T]) {
     for run in runs {
         // Single values are the most frequent; a call to copy one costs more than the value.
         if run.length == 1 {
@@ -126,7 +126,7 @@ fn copy<T: Copy>(runs: &[Run], from: &[T], to: &mut [T]) {
 }
 
 impl Computed {
-    pub(super) fn new(drive: &Drive, to: Slot, places: &Places) -> Self {
+    pub(super) fn new(drive: &Drive, to: Slot, places: &SlotTable) -> Self {
         let mut place = |port| places.read(port);
         let value = match (drive, to.base) {
             (Drive::Copy(port), BaseType::Real) => ComputedValue::Real(Program::compile_signal(*port, &mut place)),

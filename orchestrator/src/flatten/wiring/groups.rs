@@ -61,17 +61,17 @@ pub fn form(scenario: &Scenario, worker_of: &[usize]) -> (Vec<Group>, Vec<Range<
             readers[port.instance].insert(source_every.max(target_every));
         });
     }
-    let mut members = BTreeMap::<_, Vec<usize>>::new();
+    let mut ports = BTreeMap::<_, Vec<usize>>::new();
     for (index, instance) in scenario.instances.iter().enumerate() {
         let key = (instance.wave, worker_of[index], instance.every, std::mem::take(&mut readers[index]));
-        members.entry(key).or_default().push(index);
+        ports.entry(key).or_default().push(index);
     }
     let form = |((wave, worker, every, readers), instances): ((usize, usize, u64, BTreeSet<u64>), Vec<usize>)| {
         // Whoever is read at each of its own ticks needs no other reason.
         let read_every = if readers.contains(&every) { vec![every] } else { readers.into_iter().collect() };
         Group { wave, worker, every, read_every, instances, outputs: Ranges::default() }
     };
-    let groups: Vec<_> = members.into_iter().map(form).collect();
+    let groups: Vec<_> = ports.into_iter().map(form).collect();
     let mut waves: Vec<Range<usize>> = Vec::new();
     for (index, group) in groups.iter().enumerate() {
         match waves.last_mut().filter(|wave| groups[wave.start].wave == group.wave) {

@@ -1,13 +1,13 @@
 //! What a row of the trace is made of: for each column the place of its value.
 
-use super::slot_table::Places;
+use super::slot_table::SlotTable;
 use crate::flatten::values::{Slot, Values};
 use dsl::scenario::Column;
 use fmi2::description::BaseType;
 
 /// The columns by where their values come from.
 #[derive(Debug, Default)]
-pub struct RowPlan {
+pub struct RowLayout {
     outputs: Columns,
     inputs: Columns,
     columns: usize,
@@ -21,8 +21,8 @@ struct Columns {
     booleans: Vec<(usize, usize)>,
 }
 
-impl RowPlan {
-    pub(super) fn new(columns: &[Column], places: &Places) -> Self {
+impl RowLayout {
+    pub(super) fn new(columns: &[Column], places: &SlotTable) -> Self {
         let mut plan = Self { columns: columns.len(), ..Self::default() };
         for (column, recorded) in columns.iter().enumerate() {
             match places.input(recorded.port) {

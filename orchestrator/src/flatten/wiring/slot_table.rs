@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// An instance as its worker sees it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Member {
+pub struct InstancePorts {
     /// Inputs and tunable parameters that the script ever drives.
     pub inputs: Ports,
     /// Outputs that anything reads, judges or records.
@@ -21,18 +21,18 @@ pub struct Member {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Ports {
     /// The Reals.
-    pub reals: Span,
+    pub reals: VariableRange,
     /// The Integers and Enumerations.
-    pub integers: Span,
+    pub integers: VariableRange,
     /// The Booleans.
-    pub booleans: Span,
+    pub booleans: VariableRange,
     /// The Strings.
-    pub texts: Span,
+    pub texts: VariableRange,
 }
 
 /// Variables of one type whose values lie side by side.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Span {
+pub struct VariableRange {
     /// Index of the first value.
     pub start: usize,
     /// The value references.
@@ -43,14 +43,14 @@ pub struct Span {
 
 /// One variable with the place of its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pick {
+pub struct VariableSlot {
     /// Where the value lies.
     pub slot: Slot,
     /// The value reference.
     pub reference: u32,
 }
 
-impl Span {
+impl VariableRange {
     /// Where the values lie.
     #[inline]
     #[must_use]
@@ -61,16 +61,16 @@ impl Span {
 
 /// The places of all ports that a scenario touches.
 #[derive(Debug)]
-pub(super) struct Places {
-    inputs: BTreeMap<Port, Pick>,
-    outputs: BTreeMap<Port, Pick>,
+pub(super) struct SlotTable {
+    inputs: BTreeMap<Port, VariableSlot>,
+    outputs: BTreeMap<Port, VariableSlot>,
     input_values: Values,
     output_values: Values,
-    members: Vec<Member>,
+    ports: Vec<InstancePorts>,
     group_of: Vec<usize>,
 }
 
-impl Places {
+impl SlotTable {
     /// Gives every port its place and tells the groups where theirs lie.
     pub fn assign(scenario: &Scenario, descriptions: &[&ModelDescription], groups: &mut [Group]) -> Self {
         let driven = driven(scenario);
@@ -88,7 +88,7 @@ impl Places {
             outputs: BTreeMap::new(),
             input_values: Values::default(),
             output_values: Values::default(),
-            members: vec![Member::default(); scenario.instances.len()],
+            ports: vec![InstancePorts::default(); scenario.instances.len()],
             group_of: vec![0; scenario.instances.len()],
         };
         for (index, group) in groups.iter_mut().enumerate() {
@@ -97,7 +97,7 @@ impl Places {
                 let outputs = ports_of(instance, &read);
                 let (finite, others): (Vec<_>, Vec<_>) = outputs.partition(|port| must_be_finite.contains(port));
                 places.group_of[instance] = index;
-                places.members[instance] = places.member(ports_of(instance, &driven), &finite, &others, descriptions);
+                places.ports[instance] = places.ports(ports_of(instance, &driven), &finite, &others, descriptions);
             }
             group.outputs = begin.to(&places.output_values.end());
         }
@@ -111,30 +111,30 @@ impl Places {
         places
     }
 
-    fn member(
+    fn ports(
         &mut self,
         inputs: impl Iterator<Item = Port>,
         finite: &[Port],
         others: &[Port],
         descriptions: &[&ModelDescription],
-    ) -> Member {
-        let mut member = Member {
+    ) -> InstancePorts {
+        let mut ports = InstancePorts {
             inputs: Ports::beginning_at(&self.input_values.end()),
             outputs: Ports::beginning_at(&self.output_values.end()),
             finite: 0,
         };
         for port in inputs {
             let pick = pick(port, &mut self.input_values, descriptions);
-            member.inputs.add(pick, port.variable);
+            ports.inputs.add(pick, port.variable);
             self.inputs.insert(port, pick);
         }
         for port in finite.iter().chain(others) {
             let pick = pick(*port, &mut self.output_values, descriptions);
-            member.outputs.add(pick, port.variable);
+            ports.outputs.add(pick, port.variable);
             self.outputs.insert(*port, pick);
         }
-        member.finite = finite.iter().filter(|&port| self.outputs[port].slot.base == BaseType::Real).count();
-        member
+        ports.finite = finite.iter().filter(|&port| self.outputs[port].slot.base == BaseType::Real).count();
+        ports
     }
 
     /// Where the value of a readable port stands among the outputs.
@@ -143,12 +143,12 @@ impl Places {
     }
 
     /// The same with the value reference.
-    pub fn pick_output(&self, port: Port) -> Pick {
+    pub fn pick_output(&self, port: Port) -> VariableSlot {
         *self.outputs.get(&port).unwrap_or_else(|| unreachable!("{port:?} is read but was not placed"))
     }
 
     /// Where the value of an input stands, with its value reference.
-    pub fn pick_input(&self, port: Port) -> Pick {
+    pub fn pick_input(&self, port: Port) -> VariableSlot {
         *self.inputs.get(&port).unwrap_or_else(|| unreachable!("{port:?} is driven but was not placed"))
     }
 
@@ -177,9 +177,9 @@ impl Places {
         self.output_values.clone()
     }
 
-    /// Hands the members over, once.
-    pub fn take_members(&mut self) -> Vec<Member> {
-        std::mem::take(&mut self.members)
+    /// Hands the ports over, once.
+    pub fn take_members(&mut self) -> Vec<InstancePorts> {
+        std::mem::take(&mut self.ports)
     }
 }
 
@@ -191,7 +191,7 @@ impl Ports {
         for &index in variables {
             let variable = description.variables.get(index)?;
             let slot = values.add(variable.base_type());
-            ports.add(Pick { slot, reference: variable.value_reference }, index);
+            ports.add(VariableSlot { slot, reference: variable.value_reference }, index);
         }
         Some(ports)
     }
@@ -226,7 +226,7 @@ impl Ports {
     }
 
     fn beginning_at(end: &Ranges) -> Self {
-        let span = |start| Span { start, ..Span::default() };
+        let span = |start| VariableRange { start, ..VariableRange::default() };
         Self {
             reals: span(end.reals.start),
             integers: span(end.integers.start),
@@ -235,7 +235,7 @@ impl Ports {
         }
     }
 
-    fn add(&mut self, pick: Pick, variable: usize) {
+    fn add(&mut self, pick: VariableSlot, variable: usize) {
         let span = match pick.slot.base {
             BaseType::Real => &mut self.reals,
             BaseType::Integer => &mut self.integers,
@@ -283,7 +283,7 @@ fn ports_of(instance: usize, ports: &BTreeSet<Port>) -> impl Iterator<Item = Por
     ports.range(first..=last).copied()
 }
 
-fn pick(port: Port, values: &mut Values, descriptions: &[&ModelDescription]) -> Pick {
+fn pick(port: Port, values: &mut Values, descriptions: &[&ModelDescription]) -> VariableSlot {
     let variable = &descriptions[port.instance].variables[port.variable];
-    Pick { slot: values.add(variable.base_type()), reference: variable.value_reference }
+    VariableSlot { slot: values.add(variable.base_type()), reference: variable.value_reference }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use unit::board::Board;
 
 /// Takes what the run shows while it goes on. None of it may wait for anybody, and nothing of it changes the run.
-pub trait Audience: Debug {
+pub trait LiveObserver: Debug {
     /// The run begins; how far it is and how its claims stand is on this board.
     fn begin(&mut self, board: &Arc<Board>);
     /// A row is complete.

@@ -1,20 +1,20 @@
-//! Words of units, told in one order wherever the units are: by the tick at which they count, then by instance.
+//! LogOrder of units, told in one order wherever the units are: by the tick at which they count, then by instance.
 
 use std::collections::BTreeMap;
 use unit::logger::LogMessage;
 
-/// Words that wait for more than these bytes are told at once, in the order in which they came.
+/// LogOrder that wait for more than these bytes are told at once, in the order in which they came.
 const MOST_BYTES: usize = 16 << 20;
 
-/// Words that wait until nobody can say anything any more that comes before them.
+/// LogOrder that wait until nobody can say anything any more that comes before them.
 #[derive(Debug, Default)]
-pub(super) struct Words {
+pub(super) struct LogOrder {
     waiting: BTreeMap<(u64, usize, u64), LogMessage>,
     heard: u64,
     bytes: usize,
 }
 
-impl Words {
+impl LogOrder {
     /// Takes what a unit said. What belongs to no instance comes last of its tick.
     pub fn hear(&mut self, said: LogMessage) {
         self.bytes += size(&said);
@@ -64,24 +64,24 @@ mod tests {
 
     #[test]
     fn words_come_by_tick_then_by_instance_then_as_they_were_said() {
-        let mut words = Words::default();
+        let mut log_order = LogOrder::default();
         for word in [said(1, 5, "d"), said(0, 5, "b"), said(0, 5, "c"), said(None, 5, "e"), said(2, 3, "a")] {
-            words.hear(word);
+            log_order.hear(word);
         }
-        assert_eq!(texts(words.before(5)), ["a"]);
-        assert_eq!(texts(words.before(5)), [""; 0]);
-        assert_eq!(texts(words.before(6)), ["b", "c", "d", "e"]);
+        assert_eq!(texts(log_order.before(5)), ["a"]);
+        assert_eq!(texts(log_order.before(5)), [""; 0]);
+        assert_eq!(texts(log_order.before(6)), ["b", "c", "d", "e"]);
     }
 
     #[test]
     fn too_many_words_do_not_wait() {
-        let mut words = Words::default();
+        let mut log_order = LogOrder::default();
         let long = "x".repeat(MOST_BYTES / 2);
         for tick in 0..3 {
-            words.hear(said(0, tick, &long));
+            log_order.hear(said(0, tick, &long));
         }
-        assert!(words.are_many());
-        assert_eq!(words.all().count(), 3);
-        assert!(!words.are_many());
+        assert!(log_order.are_many());
+        assert_eq!(log_order.all().count(), 3);
+        assert!(!log_order.are_many());
     }
 }

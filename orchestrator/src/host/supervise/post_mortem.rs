@@ -1,4 +1,4 @@
-//! What units said and what is known of a stepping process that died, in the words that the user reads.
+//! What units said and what is known of a stepping process that died, in the log_order that the user reads.
 
 use dsl::scenario::Scenario;
 use fmi2::c::Status;

@@ -4,7 +4,7 @@
 //! What units print on either stream goes to the parent's standard error.
 
 use super::{Stepping, cause_of_death};
-use crate::run::run_spec::Plan;
+use crate::run::run_spec::RunSpec;
 use std::io::{self, Write};
 use std::os::fd::AsFd;
 use std::os::unix::process::CommandExt;
@@ -24,8 +24,8 @@ pub(super) struct SteppingProcess {
 
 impl SteppingProcess {
     /// Starts the child, in a process group of its own so that Ctrl-C reaches it through the parent only.
-    pub fn start(program: &Path, plan: &Plan) -> io::Result<Self> {
-        let bytes = postcard::to_stdvec(plan).map_err(io::Error::other)?;
+    pub fn start(program: &Path, spec: &RunSpec) -> io::Result<Self> {
+        let bytes = postcard::to_stdvec(spec).map_err(io::Error::other)?;
         let stderr = io::stderr().as_fd().try_clone_to_owned()?;
         let mut command = Command::new(program);
         command.arg(SUBCOMMAND).stdin(Stdio::piped()).stdout(stderr).process_group(0);

@@ -1,7 +1,7 @@
 //! What whoever looks after a run is told, what it says in the end, and what it looks after.
 
 use crate::run::message::Finish;
-use crate::run::run_spec::Plan;
+use crate::run::run_spec::RunSpec;
 use results::TraceError;
 use results::checkpoint::Saving;
 use results::verdict::Standing;
@@ -14,9 +14,9 @@ use unit::failure::{Cause, Failure};
 
 /// What the parent of a run is told.
 #[derive(Clone, Debug)]
-pub struct Orders<'a> {
+pub struct SuperviseRequest<'a> {
     /// What to run.
-    pub plan: &'a Plan,
+    pub spec: &'a RunSpec,
     /// The checkpoints that it is to leave.
     pub saving: &'a Saving,
     /// The program that knows the subcommand `step-loop`.
@@ -38,7 +38,7 @@ pub enum Placement {
 }
 
 /// Starts the workers of a run and its loop, which writes rows, messages and claims to this board.
-pub type StartWorkers = fn(&Orders<'_>, &Arc<Board>) -> io::Result<Box<dyn Stepping>>;
+pub type StartWorkers = fn(&SuperviseRequest<'_>, &Arc<Board>) -> io::Result<Box<dyn Stepping>>;
 
 /// What steps a run, seen from the one who looks after it.
 pub trait Stepping {
@@ -55,7 +55,7 @@ pub trait Stepping {
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ended {
+pub struct RunEnd {
     /// The tick that it reached.
     pub last_tick: u64,
     /// What the loop said, if it ended by itself.

@@ -23,7 +23,7 @@ const EXITED_WITH_0: i32 = 0;
 /// A run of one column and two claims in a folder of its own.
 struct Run {
     home: TempDir,
-    plan: Plan,
+    spec: RunSpec,
     saving: Saving,
     board: Board,
 }
@@ -33,7 +33,7 @@ impl Run {
         let home = tempfile::tempdir().unwrap();
         let mut scenario = scenario();
         scenario.claims = vec![claim("a", "always quad.a"), claim("b", "always quad.b")];
-        let plan = Plan {
+        let spec = RunSpec {
             scenario,
             units: vec![],
             unit_of: vec![0],
@@ -48,12 +48,12 @@ impl Run {
             from: None,
         };
         let board = Board::private(&BoardLayout { notes: 1, columns: 1, claims: 2 }).unwrap();
-        Self { home, plan, saving: Saving::default(), board }
+        Self { home, spec, saving: Saving::default(), board }
     }
 
-    fn orders(&self, program: &str) -> Orders<'_> {
+    fn request(&self, program: &str) -> SuperviseRequest<'_> {
         let (program, placement) = (PathBuf::from(program), Placement::Together);
-        Orders { plan: &self.plan, saving: &self.saving, program, step_timeout: None, placement }
+        SuperviseRequest { spec: &self.spec, saving: &self.saving, program, step_timeout: None, placement }
     }
 
     fn rows(&self, count: u64) {
@@ -72,14 +72,14 @@ impl Run {
     }
 
     /// What the parent makes of it once the process is gone, and what it printed.
-    fn concluded(&self, status: i32) -> (Ended, String) {
+    fn concluded(&self, status: i32) -> (RunEnd, String) {
         let folder = RunFolder::claim(&self.home.path().join("run"), &record()).unwrap();
         let signals = [signals::time(), Signal { name: "quad.x", ..signals::time() }];
         let mut recorder = Recorder::default();
-        recorder.begin_rows(&folder, self.plan.scenario.step_ns, &signals).unwrap();
+        recorder.begin_rows(&folder, self.spec.scenario.step_ns, &signals).unwrap();
         let mut console = Console::new(Vec::new(), Style::Tenths);
-        let orders = self.orders("");
-        let mut supervision = Supervision::new(&orders, &self.board, recorder, None, &mut console);
+        let request = self.request("");
+        let mut supervision = Supervision::new(&request, &self.board, recorder, None, &mut console);
         supervision.drain().unwrap();
         let ended = supervision.conclude(cause_of_death(ExitStatus::from_raw(status)), None).unwrap();
         (ended, String::from_utf8(console.into_inner()).unwrap())
@@ -113,7 +113,7 @@ struct Seats {
     rows: Vec<(u64, u64)>,
 }
 
-impl Audience for Seats {
+impl LiveObserver for Seats {
     fn begin(&mut self, _: &Arc<Board>) {
         self.begun = true;
     }
@@ -130,8 +130,8 @@ fn an_audience_is_told_every_row_also_where_none_is_written() {
     let run = Run::new();
     run.rows(3);
     let (mut seats, mut console) = (Seats::default(), Console::new(Vec::new(), Style::Tenths));
-    let orders = run.orders("");
-    Supervision::new(&orders, &run.board, Recorder::default(), Some(&mut seats), &mut console).drain().unwrap();
+    let request = run.request("");
+    Supervision::new(&request, &run.board, Recorder::default(), Some(&mut seats), &mut console).drain().unwrap();
     assert_eq!(seats.rows, [0, 1, 2].map(|tick| (tick, (tick as f64).to_bits())));
 }
 
@@ -139,8 +139,8 @@ fn an_audience_is_told_every_row_also_where_none_is_written() {
 fn an_audience_is_told_that_a_run_begins() {
     let run = Run::new();
     let mut seats = Seats::default();
-    let orders = run.orders("/bin/true");
-    supervise(&orders, Recorder::default(), Some(&mut seats), &mut Console::new(Vec::new(), Style::Tenths)).unwrap();
+    let request = run.request("/bin/true");
+    supervise(&request, Recorder::default(), Some(&mut seats), &mut Console::new(Vec::new(), Style::Tenths)).unwrap();
     assert!(seats.begun);
 }
 
@@ -182,8 +182,8 @@ fn what_the_run_says_about_its_break_counts_more_than_how_its_process_ended() {
 fn a_death_is_kept_when_the_last_rows_cannot_be_written() {
     let run = Run::new();
     let mut console = Console::new(Vec::new(), Style::Tenths);
-    let orders = run.orders("");
-    let supervision = Supervision::new(&orders, &run.board, Recorder::default(), None, &mut console);
+    let request = run.request("");
+    let supervision = Supervision::new(&request, &run.board, Recorder::default(), None, &mut console);
     let full = TraceError::io("write", Path::new("trace.csv"))(io::ErrorKind::StorageFull.into());
     let error = supervision.conclude(Cause::Signal(DIED_OF_SIGSEGV), Some(full)).unwrap_err();
     let SuperviseError::Broken { failure, .. } = &error else { panic!("{error:?}") };
@@ -214,17 +214,17 @@ fn what_units_say_is_printed_in_order() {
 #[test]
 fn a_program_that_ends_at_once_breaks_the_run() {
     let run = Run::new();
-    let orders = run.orders("/bin/true");
+    let request = run.request("/bin/true");
     let mut console = Console::new(Vec::new(), Style::Tenths);
-    let ended = supervise(&orders, Recorder::default(), None, &mut console).unwrap();
+    let ended = supervise(&request, Recorder::default(), None, &mut console).unwrap();
     assert_eq!(ended.failure.unwrap().to_string(), "the stepping process ended (exit code 0) between calls at 0 s");
 }
 
 #[test]
 fn a_program_that_cannot_be_started_is_an_error() {
     let run = Run::new();
-    let orders = run.orders("/no/such/program");
-    let error = supervise(&orders, Recorder::default(), None, &mut Console::new(Vec::new(), Style::Tenths))
+    let request = run.request("/no/such/program");
+    let error = supervise(&request, Recorder::default(), None, &mut Console::new(Vec::new(), Style::Tenths))
         .unwrap_err()
         .to_string();
     assert!(error.starts_with("cannot start the stepping process: "), "{error}");

@@ -1,12 +1,12 @@
 //! Checkpoints: all that a run is between two ticks, taken out of one run and put into another.
 //!
-//! Everything is kept by instance in the script's order and by port in the member's order, never by place or group, so that
+//! Everything is kept by instance in the script's order and by port in the ports's order, never by place or group, so that
 //! a run can continue in other workers than it was saved in.
 
-use super::{StepLoop, UnderWay, Witness};
+use super::{Observer, StepLoop, UnderWay};
 use crate::flatten::claims::{Claims, Memory};
 use crate::flatten::values::Values;
-use crate::flatten::wiring::{Member, Wiring};
+use crate::flatten::wiring::{InstancePorts, Wiring};
 use crate::run::worker::{Reply, Terminated};
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;
@@ -77,15 +77,15 @@ impl Checkpoint {
             return false;
         }
         let wiring = Wiring::new(scenario, descriptions, &vec![0; scenario.instances.len()]);
-        let exists = |unit: &Terminated| unit.instance < wiring.members.len();
+        let exists = |unit: &Terminated| unit.instance < wiring.ports.len();
         let instance_fits = |instance: usize| {
             let early = &self.instances[instance].early;
             let itself = |result: &EarlyResult| result.terminated.is_none_or(|unit| unit.instance == instance);
-            self.instances[instance].fits(&wiring.members[instance]) && early.as_ref().is_none_or(itself)
+            self.instances[instance].fits(&wiring.ports[instance]) && early.as_ref().is_none_or(itself)
         };
         let is_under_way = |instance: &usize| self.instances[*instance].early.is_some();
         let mut claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
-        (0..wiring.members.len()).all(instance_fits)
+        (0..wiring.ports.len()).all(instance_fits)
             && wiring.groups.iter().all(|group| {
                 group
                     .instances
@@ -100,19 +100,19 @@ impl Checkpoint {
 }
 
 impl SavedInstance {
-    fn fits(&self, member: &Member) -> bool {
+    fn fits(&self, ports: &InstancePorts) -> bool {
         let early = self.early.iter().map(|early| &early.outputs);
         let mut outputs = [&self.visible, &self.latest].into_iter().chain(early);
-        member.inputs.fit(&self.inputs) && outputs.all(|values| member.outputs.fit(values))
+        ports.inputs.fit(&self.inputs) && outputs.all(|values| ports.outputs.fit(values))
     }
 }
 
-impl<W: Witness> StepLoop<'_, W> {
-    /// Has the witness keep the run as it is after the row of this tick. Where a step that is under way is lost there is
+impl<W: Observer> StepLoop<'_, W> {
+    /// Has the observer keep the run as it is after the row of this tick. Where a step that is under way is lost there is
     /// nothing to keep: the run breaks when its result is due.
     ///
     /// # Errors
-    /// A unit refuses to be saved, or the witness cannot keep what was saved.
+    /// A unit refuses to be saved, or the observer cannot keep what was saved.
     #[cold]
     pub(super) fn save(&mut self, tick: u64) -> Result<(), Failure> {
         if !self.await_early(tick) {
@@ -124,7 +124,7 @@ impl<W: Witness> StepLoop<'_, W> {
         }
         states.sort_by_key(|(instance, _)| *instance);
         assert!(
-            states.iter().map(|(instance, _)| *instance).eq(0..self.wiring.members.len()),
+            states.iter().map(|(instance, _)| *instance).eq(0..self.wiring.ports.len()),
             "each instance is saved once"
         );
         let states = states.into_iter();
@@ -136,7 +136,7 @@ impl<W: Witness> StepLoop<'_, W> {
             rises: self.rises.clone(),
             claims: self.claims.memory(),
         };
-        self.witness.checkpoint(&checkpoint).map_err(|cause| Failure::between_calls(self.wiring.seconds(tick), cause))
+        self.observer.checkpoint(&checkpoint).map_err(|cause| Failure::between_calls(self.wiring.seconds(tick), cause))
     }
 
     /// Awaits all orders that are under way, aside from where results are seen; false if one is lost.
@@ -151,7 +151,7 @@ impl<W: Witness> StepLoop<'_, W> {
     }
 
     fn saved_instance(&self, instance: usize, state: Vec<u8>) -> SavedInstance {
-        let Member { inputs, outputs, .. } = &self.wiring.members[instance];
+        let InstancePorts { inputs, outputs, .. } = &self.wiring.ports[instance];
         let of_group = |(group, _): &(&crate::flatten::wiring::Group, _)| group.instances.contains(&instance);
         let order = self.wiring.groups.iter().zip(&self.under_way).find(of_group).and_then(|(_, order)| order.as_ref());
         let early = order.map(|order| EarlyResult {
@@ -183,12 +183,12 @@ impl<W: Witness> StepLoop<'_, W> {
             let states: Vec<_> = held.into_iter().map(|instance| (instance, &*instances[instance].state)).collect();
             worker.restore(*tick, &states).map_err(|lost| lost.failure)?;
         }
-        for (saved, member) in instances.iter().zip(&self.wiring.members) {
-            member.inputs.store(&saved.inputs, &mut self.inputs);
-            member.outputs.store(&saved.visible, &mut self.visible);
-            member.outputs.store(&saved.latest, &mut self.latest);
+        for (saved, ports) in instances.iter().zip(&self.wiring.ports) {
+            ports.inputs.store(&saved.inputs, &mut self.inputs);
+            ports.outputs.store(&saved.visible, &mut self.visible);
+            ports.outputs.store(&saved.latest, &mut self.latest);
             if let Some(early) = &saved.early {
-                member.outputs.store(&early.outputs, &mut self.early);
+                ports.outputs.store(&early.outputs, &mut self.early);
             }
         }
         for (group, order) in self.wiring.groups.iter().zip(&mut self.under_way) {
@@ -202,7 +202,7 @@ impl<W: Witness> StepLoop<'_, W> {
         self.take_events(*tick);
         self.samples = tick + 1;
         assert!(self.claims.remember(&checkpoint.claims, self.samples), "a checkpoint fits its claims");
-        self.claims.standings().for_each(|(claim, standing)| self.witness.claim(claim, standing));
+        self.claims.standings().for_each(|(claim, standing)| self.observer.claim(claim, standing));
         Ok(())
     }
 }

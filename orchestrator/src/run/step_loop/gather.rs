@@ -1,6 +1,6 @@
 //! Replies: when each is awaited, where its values go, and what it may say.
 
-use super::{StepLoop, Witness};
+use super::{Observer, StepLoop};
 use crate::flatten::values::Values;
 use crate::flatten::wiring::Group;
 use crate::run::message::{Finish, Reason};
@@ -76,7 +76,7 @@ impl Taken {
     }
 }
 
-impl<W: Witness> StepLoop<'_, W> {
+impl<W: Observer> StepLoop<'_, W> {
     /// Takes the results of all steps that end at this tick. A finish means that a unit ended before this tick, so that
     /// the row before was the last.
     ///
@@ -173,8 +173,8 @@ impl<W: Witness> StepLoop<'_, W> {
     }
 
     fn non_finite(&self, instance: usize, reals: &[f64], tick: u64) -> Option<Failure> {
-        let member = &self.wiring.members[instance];
-        let values = &reals[member.outputs.reals.range()][..member.finite];
+        let ports = &self.wiring.ports[instance];
+        let values = &reals[ports.outputs.reals.range()][..ports.finite];
         let position = values.iter().position(|value| !value.is_finite())?;
         let unit = &self.wiring.names[instance];
         Some(Failure {

@@ -1,11 +1,11 @@
 //! Initialization: both arrows carry values along the units' declared dependencies, then the outputs at tick 0.
 
-use super::{StepLoop, Witness};
+use super::{Observer, StepLoop};
 use crate::flatten::expression::Moment;
-use crate::flatten::wiring::Turn;
+use crate::flatten::wiring::InitialCall;
 use unit::failure::Failure;
 
-impl<W: Witness> StepLoop<'_, W> {
+impl<W: Observer> StepLoop<'_, W> {
     /// Takes the turns of initialization in order and ends it.
     ///
     /// # Errors
@@ -13,11 +13,11 @@ impl<W: Witness> StepLoop<'_, W> {
     pub(super) fn initialise(&mut self) -> Result<(), Failure> {
         for turn in &mut self.wiring.initialization {
             match turn {
-                Turn::Set { worker, instance, feed, picks } => {
+                InitialCall::Set { worker, instance, feed, picks } => {
                     feed.bring(&Moment { outputs: &self.visible, time_s: 0.0, rises: &self.rises }, &mut self.inputs);
                     self.workers[*worker].set_initial(*instance, picks, &self.inputs)
                 }
-                Turn::Get { worker, instance, picks } => {
+                InitialCall::Get { worker, instance, picks } => {
                     self.workers[*worker].get_initial(*instance, picks, &mut self.visible)
                 }
             }

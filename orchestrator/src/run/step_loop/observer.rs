@@ -4,7 +4,7 @@ use super::Checkpoint;
 use results::verdict::Standing;
 
 /// Takes what the loop tells. Each of these is called often and must be quick.
-pub trait Witness {
+pub trait Observer {
     /// The run has reached a tick.
     fn reached(&mut self, tick: u64);
     /// Whether somebody wishes the run to end.

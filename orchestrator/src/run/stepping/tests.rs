@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::run::message::Reason;
-use crate::run::run_spec::PlannedUnit;
+use crate::run::run_spec::UnitSpec;
 use ::tests::foreign::Foreign;
 use dsl::scenario::{
     BooleanExpression, Claim, Column, Connection, Drive, Event, Formula, Instance, Margin, Port, RealExpression,
@@ -69,14 +69,14 @@ fn scenario(ticks: u64) -> Scenario {
 }
 
 /// Two instances of the foreign unit with all that a script can do, for so many ticks.
-pub(crate) fn plan(ticks: u64, unit: &Unpacked) -> Plan {
+pub(crate) fn spec(ticks: u64, unit: &Unpacked) -> RunSpec {
     let (name, folder) = ("foreign.fmu".to_owned(), unit.folder.clone());
     let (description, sha256) = (unit.description.clone(), unit.sha256.clone());
-    let units = vec![PlannedUnit { name, folder, description, sha256 }];
+    let units = vec![UnitSpec { name, folder, description, sha256 }];
     let (folder, board) = (PathBuf::new(), PathBuf::new());
     let (scenario, unit_of) = (scenario(ticks), vec![0, 0]);
     let (saves, from, log_calls) = (Vec::new(), None, Vec::new());
-    Plan {
+    RunSpec {
         scenario,
         units,
         unit_of,
@@ -97,13 +97,13 @@ fn a_long_flight_asks_for_memory_as_often_as_a_short_one() {
     let (folder, fmu) = Foreign::default().build();
     let unpacked = unpack(&fmu, &folder.path().join("unpacked")).unwrap();
     let allocations = |ticks| {
-        let plan = plan(ticks, &unpacked);
-        let layout = BoardLayout { notes: 1, columns: plan.scenario.columns.len(), claims: plan.scenario.claims.len() };
+        let spec = spec(ticks, &unpacked);
+        let layout = BoardLayout { notes: 1, columns: spec.scenario.columns.len(), claims: spec.scenario.claims.len() };
         let board = Arc::new(Board::private(&layout).unwrap());
-        let wiring = wire(&plan, &[0, 0]);
+        let wiring = wire(&spec, &[0, 0]);
         let worker =
-            InProcess::new(wiring.step_ns, &wiring.groups, &wiring.members, boarded(&plan, &board), board.note(0));
-        let mut run = step_loop(&plan, &board, wiring, vec![Box::new(worker)]);
+            InProcess::new(wiring.step_ns, &wiring.groups, &wiring.ports, instantiated(&spec, &board), board.note(0));
+        let mut run = step_loop(&spec, &board, wiring, vec![Box::new(worker)]);
         let mut finish = None;
         let count = allocation_counter::measure(|| finish = run.run(None).ok()).count_total;
         assert_eq!(finish, Some(Finish { last_tick: ticks, reason: Reason::StopTime }));
@@ -113,8 +113,8 @@ fn a_long_flight_asks_for_memory_as_often_as_a_short_one() {
     assert_eq!(allocations(10_000), allocations(100));
 }
 
-fn boarded(plan: &Plan, board: &Arc<Board>) -> Vec<Seating> {
-    let mut aboard = Vec::new();
-    board_all(plan, board, &mut aboard).unwrap();
-    aboard
+fn instantiated(spec: &RunSpec, board: &Arc<Board>) -> Vec<Instantiated> {
+    let mut made = Vec::new();
+    instantiate_all(spec, board, &mut made).unwrap();
+    made
 }

@@ -1,8 +1,8 @@
 //! Instances in this very process: an order is a few calls through function pointers.
 
-use super::{Leaving, Lost, Order, Reply, Terminated, Ticket, Worker};
+use super::{Lost, Order, Reply, Shutdown, Terminated, Ticket, Worker};
 use crate::flatten::values::Values;
-use crate::flatten::wiring::{Group, Member, Pick, Ports, Span};
+use crate::flatten::wiring::{Group, InstancePorts, Ports, VariableRange, VariableSlot};
 use fmi2::description::BaseType;
 use std::ops::Range;
 use unit::board::{Note, Now};
@@ -12,7 +12,7 @@ use unit::time::seconds;
 
 /// An instance in initialization mode, with its index in the scenario.
 #[derive(Debug)]
-pub struct Seating {
+pub struct Instantiated {
     /// The index.
     pub index: usize,
     /// The instance.
@@ -25,13 +25,13 @@ pub struct InProcess {
     note: Note,
     step_ns: u64,
     /// By group and then in the script's order.
-    seats: Vec<Seat>,
-    /// For each group of the run; those of other workers have no seats.
-    teams: Vec<Team>,
+    held: Vec<HeldInstance>,
+    /// For each group of the run; those of other workers have no held.
+    groups: Vec<GroupSteps>,
 }
 
 #[derive(Debug)]
-struct Seat {
+struct HeldInstance {
     instance: Instance,
     inputs: Calls,
     outputs: Calls,
@@ -61,10 +61,10 @@ struct Call {
     start: usize,
 }
 
-/// The seats of a group, and what its last step brought besides values.
+/// The held of a group, and what its last step brought besides values.
 #[derive(Debug, Default)]
-struct Team {
-    seats: Range<usize>,
+struct GroupSteps {
+    held: Range<usize>,
     every: u64,
     step_s: f64,
     lost: Option<Lost>,
@@ -74,76 +74,82 @@ struct Team {
 impl InProcess {
     /// Seats the instances of one worker, which notes its calls here.
     #[must_use]
-    pub fn new(step_ns: u64, groups: &[Group], members: &[Member], seatings: Vec<Seating>, note: Note) -> Self {
-        let mut waiting: Vec<Option<Instance>> = std::iter::repeat_with(|| None).take(members.len()).collect();
-        for seating in seatings {
-            waiting[seating.index] = Some(seating.instance);
+    pub fn new(
+        step_ns: u64,
+        groups: &[Group],
+        ports: &[InstancePorts],
+        instances: Vec<Instantiated>,
+        note: Note,
+    ) -> Self {
+        let mut waiting: Vec<Option<Instance>> = std::iter::repeat_with(|| None).take(ports.len()).collect();
+        for made in instances {
+            waiting[made.index] = Some(made.instance);
         }
-        let mut seats = Vec::new();
-        let mut team = |group: &Group| {
-            let first = seats.len();
+        let mut held = Vec::new();
+        let mut group = |group: &Group| {
+            let first = held.len();
             for &index in &group.instances {
                 if let Some(instance) = waiting[index].take() {
-                    let Member { inputs, outputs, .. } = &members[index];
+                    let InstancePorts { inputs, outputs, .. } = &ports[index];
                     let (inputs, outputs) = (Calls::new(inputs), Calls::new(outputs));
-                    seats.push(Seat { instance, inputs, outputs, index, failed: false });
+                    held.push(HeldInstance { instance, inputs, outputs, index, failed: false });
                 }
             }
             let step_s = seconds(group.every, step_ns);
-            Team { seats: first..seats.len(), every: group.every, step_s, lost: None, terminated: Vec::new() }
+            GroupSteps { held: first..held.len(), every: group.every, step_s, lost: None, terminated: Vec::new() }
         };
-        let teams = groups.iter().map(&mut team).collect();
-        Self { note, step_ns, seats, teams }
+        let groups = groups.iter().map(&mut group).collect();
+        Self { note, step_ns, held, groups }
     }
 }
 
-/// The seats in the script's order.
-fn in_order(seats: &mut [Seat]) -> Vec<&mut Seat> {
-    let mut seats: Vec<_> = seats.iter_mut().collect();
-    seats.sort_by_key(|seat| seat.index);
-    seats
+/// The held in the script's order.
+fn in_order(held: &mut [HeldInstance]) -> Vec<&mut HeldInstance> {
+    let mut held: Vec<_> = held.iter_mut().collect();
+    held.sort_by_key(|held| held.index);
+    held
 }
 
-fn find(seats: &mut [Seat], index: usize) -> &mut Seat {
-    let seat = seats.iter_mut().find(|seat| seat.index == index);
-    seat.unwrap_or_else(|| unreachable!("instance {index} is not with this worker"))
+fn find(held: &mut [HeldInstance], index: usize) -> &mut HeldInstance {
+    let held = held.iter_mut().find(|held| held.index == index);
+    held.unwrap_or_else(|| unreachable!("instance {index} is not with this worker"))
 }
 
 impl Worker for InProcess {
-    fn set_initial(&mut self, instance: usize, picks: &[Pick], inputs: &Values) -> Result<(), Lost> {
-        let Self { note, seats, .. } = self;
-        let seat = find(seats, instance);
-        seat.set_picked(&note.at(0, 0.0), picks, inputs).map_err(|failure| seat.lose(failure))
+    fn set_initial(&mut self, instance: usize, picks: &[VariableSlot], inputs: &Values) -> Result<(), Lost> {
+        let Self { note, held, .. } = self;
+        let held = find(held, instance);
+        held.set_picked(&note.at(0, 0.0), picks, inputs).map_err(|failure| held.lose(failure))
     }
 
-    fn get_initial(&mut self, instance: usize, picks: &[Pick], outputs: &mut Values) -> Result<(), Lost> {
-        let Self { note, seats, .. } = self;
-        let seat = find(seats, instance);
-        seat.get_picked(&note.at(0, 0.0), picks, outputs).map_err(|failure| seat.lose(failure))
+    fn get_initial(&mut self, instance: usize, picks: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost> {
+        let Self { note, held, .. } = self;
+        let held = find(held, instance);
+        held.get_picked(&note.at(0, 0.0), picks, outputs).map_err(|failure| held.lose(failure))
     }
 
     fn start(&mut self, outputs: &mut Values) -> Result<(), Lost> {
         let now = self.note.at(0, 0.0);
-        for seat in in_order(&mut self.seats) {
-            let started = seat.instance.exit_initialization_mode(&now).and_then(|()| seat.get(&now, outputs));
-            started.map_err(|failure| seat.lose(failure))?;
+        for held in in_order(&mut self.held) {
+            let started = held.instance.exit_initialization_mode(&now).and_then(|()| held.get(&now, outputs));
+            started.map_err(|failure| held.lose(failure))?;
         }
         Ok(())
     }
 
     fn order(&mut self, order: &Order<'_>) -> Result<Ticket, Lost> {
-        let team = &mut self.teams[order.group];
-        let due_tick = order.tick.saturating_add(team.every);
+        let group = &mut self.groups[order.group];
+        let due_tick = order.tick.saturating_add(group.every);
         let now = self.note.counting_at(order.tick, seconds(order.tick, self.step_ns), due_tick);
-        for seat in &mut self.seats[team.seats.clone()] {
-            match seat.set(&now, order.inputs).and_then(|()| seat.instance.do_step(&now, team.step_s)) {
+        for held in &mut self.held[group.held.clone()] {
+            match held.set(&now, order.inputs).and_then(|()| held.instance.do_step(&now, group.step_s)) {
                 Ok(StepResult::Done) => {}
                 Ok(StepResult::Terminated { last_successful_time_s }) => {
-                    team.terminated.push(Terminated { instance: seat.index, last_successful_time_s });
+                    group.terminated.push(Terminated { instance: held.index, last_successful_time_s });
                 }
                 Err(failure) => {
                     // The results of those behind it would be dropped together with its own.
-                    team.lost = Some(seat.lose(failure));
+                    group.lost = Some(held.lose(failure));
                     break;
                 }
             }
@@ -153,45 +159,45 @@ impl Worker for InProcess {
 
     fn reply(&mut self, ticket: Ticket, due_tick: u64, outputs: &mut Values) -> Result<Reply, Lost> {
         let now = self.note.at(due_tick, seconds(due_tick, self.step_ns));
-        let team = &mut self.teams[ticket.group];
-        if let Some(lost) = team.lost.take() {
+        let group = &mut self.groups[ticket.group];
+        if let Some(lost) = group.lost.take() {
             return Err(lost);
         }
-        for seat in &mut self.seats[team.seats.clone()] {
-            seat.get(&now, outputs).map_err(|failure| seat.lose(failure))?;
+        for held in &mut self.held[group.held.clone()] {
+            held.get(&now, outputs).map_err(|failure| held.lose(failure))?;
         }
-        Ok(Reply { terminated: std::mem::take(&mut team.terminated) })
+        Ok(Reply { terminated: std::mem::take(&mut group.terminated) })
     }
 
     fn save(&mut self, tick: u64) -> Result<Vec<(usize, Vec<u8>)>, Lost> {
         let now = self.note.at(tick, seconds(tick, self.step_ns));
-        let save = |seat: &mut Seat| {
-            let state = seat.instance.save(&now).map_err(|failure| seat.lose(failure))?;
-            Ok((seat.index, state))
+        let save = |held: &mut HeldInstance| {
+            let state = held.instance.save(&now).map_err(|failure| held.lose(failure))?;
+            Ok((held.index, state))
         };
-        in_order(&mut self.seats).into_iter().map(save).collect()
+        in_order(&mut self.held).into_iter().map(save).collect()
     }
 
     fn restore(&mut self, tick: u64, states: &[(usize, &[u8])]) -> Result<(), Lost> {
         let now = self.note.at(tick, seconds(tick, self.step_ns));
         for &(index, state) in states {
-            let seat = find(&mut self.seats, index);
-            seat.instance.restore(&now, state).map_err(|failure| seat.lose(failure))?;
+            let held = find(&mut self.held, index);
+            held.instance.restore(&now, state).map_err(|failure| held.lose(failure))?;
         }
         Ok(())
     }
 
-    fn finish(&mut self, tick: u64, _: Leaving) -> Result<(), Lost> {
+    fn finish(&mut self, tick: u64, _: Shutdown) -> Result<(), Lost> {
         let now = self.note.at(tick, seconds(tick, self.step_ns));
         let mut first = Ok(());
-        self.seats.sort_by_key(|seat| seat.index);
-        for mut seat in self.seats.drain(..) {
-            if !seat.failed
-                && let Err(failure) = seat.instance.terminate(&now)
+        self.held.sort_by_key(|held| held.index);
+        for mut held in self.held.drain(..) {
+            if !held.failed
+                && let Err(failure) = held.instance.terminate(&now)
             {
-                first = first.and(Err(seat.lose(failure)));
+                first = first.and(Err(held.lose(failure)));
             }
-            seat.instance.free();
+            held.instance.free();
         }
         first
     }
@@ -199,7 +205,7 @@ impl Worker for InProcess {
 
 impl Calls {
     fn new(ports: &Ports) -> Self {
-        let call = |span: &Span| Call { references: span.references.clone().into(), start: span.start };
+        let call = |span: &VariableRange| Call { references: span.references.clone().into(), start: span.start };
         let others = [&ports.integers, &ports.booleans, &ports.texts];
         let others = others.iter().any(|span| !span.references.is_empty()).then(|| {
             let [integers, booleans, texts] = others.map(call);
@@ -216,7 +222,7 @@ impl Call {
     }
 }
 
-impl Seat {
+impl HeldInstance {
     #[cold]
     fn lose(&mut self, failure: Failure) -> Lost {
         self.failed = true;
@@ -257,7 +263,7 @@ impl Seat {
         self.instance.get_string(now, &texts.references, &mut outputs.texts[texts.range()])
     }
 
-    fn set_picked(&mut self, now: &Now<'_>, picks: &[Pick], inputs: &Values) -> Result<(), Failure> {
+    fn set_picked(&mut self, now: &Now<'_>, picks: &[VariableSlot], inputs: &Values) -> Result<(), Failure> {
         let [reals, integers, booleans, texts] = by_type(picks);
         self.instance.set_real(now, &reals.references, &reals.out_of(&inputs.reals))?;
         self.instance.set_integer(now, &integers.references, &integers.out_of(&inputs.integers))?;
@@ -265,7 +271,7 @@ impl Seat {
         self.instance.set_string(now, &texts.references, &texts.out_of(&inputs.texts))
     }
 
-    fn get_picked(&mut self, now: &Now<'_>, picks: &[Pick], outputs: &mut Values) -> Result<(), Failure> {
+    fn get_picked(&mut self, now: &Now<'_>, picks: &[VariableSlot], outputs: &mut Values) -> Result<(), Failure> {
         let [reals, integers, booleans, texts] = by_type(picks);
         reals.fetch(&mut outputs.reals, |to| self.instance.get_real(now, &reals.references, to))?;
         integers.fetch(&mut outputs.integers, |to| self.instance.get_integer(now, &integers.references, to))?;
@@ -280,7 +286,7 @@ struct Scattered {
     at: Vec<usize>,
 }
 
-fn by_type(picks: &[Pick]) -> [Scattered; 4] {
+fn by_type(picks: &[VariableSlot]) -> [Scattered; 4] {
     [BaseType::Real, BaseType::Integer, BaseType::Boolean, BaseType::String].map(|base| {
         let of_type = picks.iter().filter(|pick| pick.slot.base == base);
         let (references, at) = of_type.map(|pick| (pick.reference, pick.slot.index)).unzip();
@@ -310,7 +316,7 @@ impl Scattered {
 #[test]
 fn variables_are_asked_for_by_type_and_their_values_go_to_their_places() {
     use crate::flatten::values::Slot;
-    let pick = |base, index, reference| Pick { slot: Slot { base, index }, reference };
+    let pick = |base, index, reference| VariableSlot { slot: Slot { base, index }, reference };
     let (real, integer) = (BaseType::Real, BaseType::Integer);
     let [reals, integers, booleans, texts] = by_type(&[pick(real, 3, 30), pick(integer, 0, 31), pick(real, 1, 10)]);
     assert_eq!((reals.references.as_slice(), integers.references.as_slice()), ([30, 10].as_slice(), [31].as_slice()));

@@ -1,10 +1,10 @@
 //! Awaiting the answers of a worker, and telling what became of one that gives none.
 
-use super::{Asked, Remote, START_DEADLINE};
-use crate::bus::link::{Heard, Link};
-use crate::bus::wire::open_request::{Aside, Speaker};
+use super::{PendingOrder, Remote, START_DEADLINE};
+use crate::bus::link::{Link, LinkEvent};
+use crate::bus::wire::open_request::{Handshake, ReplyExtras};
 use crate::bus::wire::{Blocks, Header, Incoming, Malformed};
-use crate::flatten::wiring::Member;
+use crate::flatten::wiring::InstancePorts;
 use crate::host::supervise::cause_of_death;
 use crate::host::watchdog::Watchdog;
 use crate::run::message::Message;
@@ -27,16 +27,16 @@ const LOOK: Duration = Duration::from_millis(50);
 /// How often somebody who waits for a process to come up looks.
 const LOOK_AT_START: Duration = Duration::from_millis(2);
 /// How long a process whose link is gone may take to end.
-const LAST_BREATH: Duration = Duration::from_secs(1);
+const EXIT_AFTER_LINK_LOSS: Duration = Duration::from_secs(1);
 
 impl Remote<'_> {
     /// Calls the process until it answers.
     pub(super) fn call(&mut self, run: &str) -> Result<(), Failure> {
         self.await_socket()?;
-        let socket = self.way.address.socket();
+        let socket = self.handle.address.socket();
         let mut refused = String::new();
         for _ in 0..DIALS {
-            match Link::dial(&socket, run, DIAL) {
+            match Link::connect(&socket, run, DIAL) {
                 Ok(link) => {
                     self.link = Some(link);
                     return self.await_ready();
@@ -52,7 +52,7 @@ impl Remote<'_> {
     fn await_socket(&mut self) -> Result<(), Failure> {
         let mut patience = Watchdog::new(START_DEADLINE);
         let mut looked = Instant::now();
-        while !is_there(&self.way.address.socket()) {
+        while !is_there(&self.handle.address.socket()) {
             self.is_expected(&mut patience, looked.elapsed())?;
             looked = Instant::now();
             sleep(LOOK_AT_START);
@@ -66,9 +66,9 @@ impl Remote<'_> {
         loop {
             let began = Instant::now();
             match self.listen(LOOK) {
-                Ok(Heard::Ready) => return Ok(()),
-                Ok(Heard::Gone) | Err(RecvTimeoutError::Disconnected) => return Err(self.died(0).failure),
-                Ok(Heard::Message(_)) | Err(RecvTimeoutError::Timeout) => {}
+                Ok(LinkEvent::Ready) => return Ok(()),
+                Ok(LinkEvent::Gone) | Err(RecvTimeoutError::Disconnected) => return Err(self.died(0).failure),
+                Ok(LinkEvent::Message(_)) | Err(RecvTimeoutError::Timeout) => {}
             }
             self.is_expected(&mut patience, began.elapsed())?;
         }
@@ -76,8 +76,8 @@ impl Remote<'_> {
 
     /// Whether the process lives.
     fn must_live(&mut self) -> Result<(), Failure> {
-        let number = self.way.address.number;
-        if self.way.fleet.is_abandoned() || self.way.fleet.ended(number).is_some() {
+        let number = self.handle.address.number;
+        if self.handle.processes.were_killed() || self.handle.processes.ended(number).is_some() {
             return Err(self.died(0).failure);
         }
         Ok(())
@@ -86,25 +86,25 @@ impl Remote<'_> {
     /// Whether the process may still come up, `since` after the last look.
     fn is_expected(&mut self, patience: &mut Watchdog<()>, since: Duration) -> Result<(), Failure> {
         self.must_live()?;
-        if patience.bites(since, Some(())) {
+        if patience.expired(since, Some(())) {
             let text = format!("its worker did not come up within {} s", START_DEADLINE.as_secs());
             return Err(self.give_up(0, Cause::Other(text)).failure);
         }
         Ok(())
     }
 
-    fn listen(&self, patience: Duration) -> Result<Heard, RecvTimeoutError> {
+    fn listen(&self, patience: Duration) -> Result<LinkEvent, RecvTimeoutError> {
         let Some(link) = &self.link else { return Err(RecvTimeoutError::Disconnected) };
-        if self.way.fleet.has_room() {
+        if self.handle.processes.has_room() {
             let began = Instant::now();
             while began.elapsed() < ATTENTION {
-                match link.heard().try_recv() {
+                match link.events().try_recv() {
                     Err(TryRecvError::Empty) => yield_now(),
-                    heard => return heard.map_err(|_| RecvTimeoutError::Disconnected),
+                    event => return event.map_err(|_| RecvTimeoutError::Disconnected),
                 }
             }
         }
-        link.heard().recv_timeout(patience)
+        link.events().recv_timeout(patience)
     }
 
     /// Awaits the reply to an order and tells what it says besides; `take` takes the values of its blocks.
@@ -113,24 +113,24 @@ impl Remote<'_> {
     /// What the worker says went wrong, or what became of it.
     pub(super) fn answer(
         &mut self,
-        asked: Asked,
-        take: impl FnOnce(&[(usize, Member)], &mut Blocks<'_>) -> Result<(), Malformed>,
-    ) -> Result<Aside, Lost> {
-        let message = self.hear(asked.header)?;
-        let said = self.understand(asked.header, &message, take);
-        let aside = said.map_err(|reason| self.give_up(asked.header.tick, Cause::Other(reason)))?;
-        match aside.lost {
+        pending: PendingOrder,
+        take: impl FnOnce(&[(usize, InstancePorts)], &mut Blocks<'_>) -> Result<(), Malformed>,
+    ) -> Result<ReplyExtras, Lost> {
+        let message = self.hear(pending.header)?;
+        let said = self.understand(pending.header, &message, take);
+        let extras = said.map_err(|reason| self.give_up(pending.header.tick, Cause::Other(reason)))?;
+        match extras.lost {
             Some(lost) => Err(lost),
-            None => Ok(aside),
+            None => Ok(extras),
         }
     }
 
     /// Awaits the reply to a step whose result nobody wants any more.
-    pub(super) fn overrun(&mut self, asked: Asked) -> Result<(), Lost> {
-        let message = self.hear(asked.header)?;
-        let aside = Incoming::read(&message).ok().and_then(|message| Aside::read(message.aside));
-        if let Some(aside) = aside.filter(|aside| aside.is_of(|index| self.holds(index))) {
-            aside.said.into_iter().for_each(|said| (self.sink)(said));
+    pub(super) fn overrun(&mut self, pending: PendingOrder) -> Result<(), Lost> {
+        let message = self.hear(pending.header)?;
+        let extras = Incoming::read(&message).ok().and_then(|message| ReplyExtras::read(message.extras));
+        if let Some(extras) = extras.filter(|extras| extras.is_of(|index| self.holds(index))) {
+            extras.said.into_iter().for_each(|said| (self.sink)(said));
         }
         Ok(())
     }
@@ -139,29 +139,29 @@ impl Remote<'_> {
         &self,
         order: Header,
         message: &[u8],
-        take: impl FnOnce(&[(usize, Member)], &mut Blocks<'_>) -> Result<(), Malformed>,
-    ) -> Result<Aside, String> {
+        take: impl FnOnce(&[(usize, InstancePorts)], &mut Blocks<'_>) -> Result<(), Malformed>,
+    ) -> Result<ReplyExtras, String> {
         let told = |malformed: Malformed| format!("its worker answered with {malformed}");
-        let Incoming { header, mut blocks, aside } = Incoming::read(message).map_err(told)?;
+        let Incoming { header, mut blocks, extras } = Incoming::read(message).map_err(told)?;
         self.fits(order, header)?;
         if order.kind == crate::bus::wire::Kind::Hello {
-            let speaker: Speaker = serde_json::from_slice(aside).map_err(|_| told(Malformed::Aside))?;
-            return Speaker::this().agrees_with(&speaker).map(|()| Aside::default());
+            let speaker: Handshake = serde_json::from_slice(extras).map_err(|_| told(Malformed::ReplyExtras))?;
+            return Handshake::this().agrees_with(&speaker).map(|()| ReplyExtras::default());
         }
-        let mut aside = Aside::read(aside).ok_or_else(|| told(Malformed::Aside))?;
-        if !aside.is_of(|index| self.holds(index)) {
+        let mut extras = ReplyExtras::read(extras).ok_or_else(|| told(Malformed::ReplyExtras))?;
+        if !extras.is_of(|index| self.holds(index)) {
             return Err("its worker spoke for others".to_owned());
         }
-        std::mem::take(&mut aside.said).into_iter().for_each(|said| (self.sink)(said));
-        if aside.lost.is_some() {
-            return Ok(aside);
+        std::mem::take(&mut extras.said).into_iter().for_each(|said| (self.sink)(said));
+        if extras.lost.is_some() {
+            return Ok(extras);
         }
         if header.schema != self.schema {
             return Err("its worker has another layout of values: the unit is not the one that was checked".to_owned());
         }
-        take(&self.members, &mut blocks).map_err(told)?;
+        take(&self.ports, &mut blocks).map_err(told)?;
         blocks.end().map_err(told)?;
-        Ok(aside)
+        Ok(extras)
     }
 
     /// Whether a reply repeats what its order said.
@@ -182,7 +182,7 @@ impl Remote<'_> {
     }
 
     fn holds(&self, instance: usize) -> bool {
-        self.members.iter().any(|(index, _)| *index == instance)
+        self.ports.iter().any(|(index, _)| *index == instance)
     }
 
     /// Waits for the reply to an order.
@@ -196,7 +196,7 @@ impl Remote<'_> {
         loop {
             let began = Instant::now();
             match self.listen(LOOK) {
-                Ok(Heard::Message(message)) => match sequence_of(&message) {
+                Ok(LinkEvent::Message(message)) => match sequence_of(&message) {
                     Some(sequence) if self.is_awaited(sequence) => drop(self.early.insert(sequence, message)),
                     Some(sequence) if sequence != order.sequence => {
                         let text = format!("its worker answered order {sequence}, expected {}", order.sequence);
@@ -205,39 +205,39 @@ impl Remote<'_> {
                     // What is no message at all is told as what it is.
                     _ => return Ok(message),
                 },
-                Ok(Heard::Gone) | Err(RecvTimeoutError::Disconnected) => return Err(self.died(order.tick)),
-                Ok(Heard::Ready) => {}
-                Err(RecvTimeoutError::Timeout) if self.way.fleet.ended(self.way.address.number).is_some() => {
+                Ok(LinkEvent::Gone) | Err(RecvTimeoutError::Disconnected) => return Err(self.died(order.tick)),
+                Ok(LinkEvent::Ready) => {}
+                Err(RecvTimeoutError::Timeout) if self.handle.processes.ended(self.handle.address.number).is_some() => {
                     return Err(self.died(order.tick));
                 }
                 Err(RecvTimeoutError::Timeout) => {}
             }
-            if let Some(cause) = self.way.vigil.look(self.way.address.number, began.elapsed()) {
+            if let Some(cause) = self.handle.hang_monitor.look(self.handle.address.number, began.elapsed()) {
                 return Err(self.give_up(order.tick, cause));
             }
         }
     }
 
     fn is_awaited(&self, sequence: u64) -> bool {
-        self.under_way.values().any(|asked| asked.header.sequence == sequence)
+        self.under_way.values().any(|pending| pending.header.sequence == sequence)
     }
 
     /// The process is gone, or about to be: how it ended, and what its units said last.
     fn died(&mut self, tick: u64) -> Lost {
-        let pulse = self.way.board.pulse();
-        let cause = match self.way.fleet.ends_within(self.way.address.number, LAST_BREATH) {
+        let pulse = self.handle.board.pulse();
+        let cause = match self.handle.processes.ends_within(self.handle.address.number, EXIT_AFTER_LINK_LOSS) {
             Some(status) => cause_of_death(status),
-            None if self.way.board.pulse() == pulse => Cause::Silent(LAST_BREATH.as_secs_f64()),
+            None if self.handle.board.pulse() == pulse => Cause::Silent(EXIT_AFTER_LINK_LOSS.as_secs_f64()),
             None => Cause::Other("its worker hung up".to_owned()),
         };
         self.give_up(tick, cause)
     }
 
-    /// Ends the process for this cause; nothing can be asked any more.
+    /// Ends the process for this cause; nothing can be pending any more.
     pub(super) fn give_up(&mut self, tick: u64, cause: Cause) -> Lost {
-        self.way.fleet.kill(self.way.address.number);
+        self.handle.processes.kill(self.handle.address.number);
         // Opened anew, to read on where the process itself had read to.
-        if let Ok(board) = Board::open(&self.way.address.board()) {
+        if let Ok(board) = Board::open(&self.handle.address.board()) {
             board.pop_messages(|bytes| {
                 if let Ok(told @ (Message::Log(_) | Message::Calls(_))) = postcard::from_bytes(bytes) {
                     (self.sink)(told);

@@ -1,9 +1,9 @@
-//! Workers that lie: a real one answers, and what it says is changed on the way.
+//! Workers that lie: a real one answers, and what it says is changed on the handle.
 
 use super::*;
 use crate::bus::link::{Listening, put};
-use crate::bus::worker::{Service, Spoken};
-use crate::run::stepping::tests::plan;
+use crate::bus::worker::{LogBuffer, Service};
+use crate::run::stepping::tests::spec;
 use crate::run::worker::Terminated;
 use ::tests::foreign::Foreign;
 use ::tests::program::repository;
@@ -31,25 +31,25 @@ fn changed(mut bytes: Vec<u8>, at: usize, to: u8) -> Option<Vec<u8>> {
 /// Says that an instance is done for good that is not there.
 fn speak_for_others(bytes: Vec<u8>) -> Option<Vec<u8>> {
     let ended = Terminated { instance: 99, last_successful_time_s: 0.0 };
-    let aside = Aside { terminated: vec![ended], ..Aside::default() }.bytes();
-    let mut message = changed(bytes, ASIDE_AT, u8::try_from(aside.len()).unwrap())?;
-    message.extend(aside);
+    let extras = ReplyExtras { terminated: vec![ended], ..ReplyExtras::default() }.bytes();
+    let mut message = changed(bytes, ASIDE_AT, u8::try_from(extras.len()).unwrap())?;
+    message.extend(extras);
     Some(message)
 }
 
 /// Answers as a worker does, but lies in answers of this kind.
 fn serve(address: &Address, kind: Kind, lie: Lie, over: &AtomicBool) {
     let board = Arc::new(Board::open(&address.board()).unwrap());
-    let mut service = Service::new(Arc::clone(&board), Spoken::new(Arc::clone(&board)));
+    let mut service = Service::new(Arc::clone(&board), LogBuffer::new(Arc::clone(&board)));
     let line = Listening::on(&address.socket()).unwrap();
     let mut answers = None;
     while !over.load(Ordering::Acquire) {
         let Ok((run, order)) = line.next_within(Duration::from_millis(20)) else { continue };
         board.beat();
         let answers = answers.get_or_insert_with(|| line.answer(&run).unwrap());
-        let asked = crate::bus::wire::Incoming::read(&order).unwrap().header.kind;
+        let pending = crate::bus::wire::Incoming::read(&order).unwrap().header.kind;
         let answer = service.answer(&order).unwrap();
-        let told = if asked.reply() == Some(kind) { lie(answer) } else { Some(answer) };
+        let told = if pending.reply() == Some(kind) { lie(answer) } else { Some(answer) };
         if let Some(told) = told {
             put(answers, &told).unwrap();
         }
@@ -64,39 +64,39 @@ fn serve(address: &Address, kind: Kind, lie: Lie, over: &AtomicBool) {
 fn told_by(kind: Kind, lie: Lie) -> (Result<Values, String>, usize) {
     let (folder, fmu) = Foreign::default().build();
     let unpacked = unpack(&fmu, &folder.path().join("unpacked")).unwrap();
-    let plan = plan(10, &unpacked);
+    let spec = spec(10, &unpacked);
     let descriptions = [&unpacked.description; 2];
-    let wiring = Wiring::new(&plan.scenario, &descriptions, &[0, 1]);
+    let wiring = Wiring::new(&spec.scenario, &descriptions, &[0, 1]);
     let address = Address { home: folder.path().to_owned(), number: 0 };
     let board = Arc::new(Board::create(&address.board(), &BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap());
-    let fleet = Arc::new(Fleet::start(&repository().join("tests/foreign/idle.sh"), [&address]).unwrap());
+    let processes = Arc::new(WorkerProcesses::start(&repository().join("tests/foreign/idle.sh"), [&address]).unwrap());
     let words = Arc::new(Mutex::new(0));
-    let heard = Arc::clone(&words);
-    let sink: MessageSink = Arc::new(move |_| *heard.lock().unwrap() += 1);
-    let vigil = Arc::new(Vigil::new(&[Arc::clone(&board)], Some(Duration::from_millis(400))));
-    let way = Way { address: address.clone(), board, fleet, vigil };
+    let event = Arc::clone(&words);
+    let sink: MessageSink = Arc::new(move |_| *event.lock().unwrap() += 1);
+    let hang_monitor = Arc::new(HangMonitor::new(&[Arc::clone(&board)], Some(Duration::from_millis(400))));
+    let handle = WorkerHandle { address: address.clone(), board, processes, hang_monitor };
     let over = Arc::new(AtomicBool::new(false));
     let until = Arc::clone(&over);
     let worker = thread::spawn(move || serve(&address, kind, lie, &until));
     let mut outputs = wiring.outputs.clone();
     let go = || -> Result<(), Failure> {
-        let mut remote = Remote::dial(&plan, &wiring, way, sink, "0123456789abcdef")?;
+        let mut remote = Remote::connect(&spec, &wiring, handle, sink, "0123456789abcdef")?;
         let mut fly = || {
-            for step in [Remote::greet, Remote::open, Remote::enter] {
-                let asked = step(&mut remote)?;
-                remote.agree(asked)?;
+            for step in [Remote::shake_hands, Remote::open, Remote::enter] {
+                let pending = step(&mut remote)?;
+                remote.confirm(pending)?;
             }
             remote.start(&mut outputs)?;
             let ticket = remote.order(&Order { group: 0, tick: TICK, inputs: &wiring.inputs })?;
             remote.reply(ticket, TICK + 1, &mut outputs)?;
-            remote.finish(TICK + 1, Leaving::InPeace)
+            remote.finish(TICK + 1, Shutdown::Orderly)
         };
-        let flown = fly().map_err(|lost| lost.failure);
-        if flown.is_err() {
+        let ran = fly().map_err(|lost| lost.failure);
+        if ran.is_err() {
             assert!(remote.order(&Order { group: 0, tick: TICK, inputs: &wiring.inputs }).is_err(), "it stays lost");
-            remote.finish(TICK, Leaving::AtOnce).unwrap();
+            remote.finish(TICK, Shutdown::Immediate).unwrap();
         }
-        flown
+        ran
     };
     let told = go().map_err(|failure| failure.to_string());
     over.store(true, Ordering::Release);

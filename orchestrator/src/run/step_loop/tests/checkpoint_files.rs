@@ -38,8 +38,8 @@ fn read(bytes: &[u8]) -> Result<Checkpoint, CheckpointError> {
 fn saved() -> &'static [u8] {
     static SAVED: OnceLock<Vec<u8>> = OnceLock::new();
     SAVED.get_or_init(|| {
-        let flown = everything(TICKS).saving([7]).fly();
-        postcard::to_stdvec(&flown.checkpoints[0]).unwrap()
+        let ran = everything(TICKS).saving([7]).run();
+        postcard::to_stdvec(&ran.checkpoints[0]).unwrap()
     })
 }
 
@@ -79,7 +79,7 @@ fn what_differs_is_told_at_once_with_what_to_do() {
         let length = (content.len() as u64).to_le_bytes();
         [MAGIC, &FORMAT.to_le_bytes()[..], &length, &Sha256::digest(&content), &content].concat()
     };
-    let end = postcard::to_stdvec(&everything(40).saving([15]).fly().checkpoints[0]).unwrap();
+    let end = postcard::to_stdvec(&everything(40).saving([15]).run().checkpoints[0]).unwrap();
     let texts = [
         told(&|other| other.parameters[0].value = "25 m/s".to_owned()),
         told(&|other| other.parameters.truncate(1)),
@@ -157,8 +157,8 @@ proptest! {
         changes in any_changes(), cut in prop::option::weighted(0.1, 0_usize..1 << 16),
     ) {
         if let Ok(checkpoint) = read(&file(&changed(saved(), &changes, cut))) {
-            let flown = everything(TICKS).from(&checkpoint).fly();
-            prop_assert!(flown.result.is_err() || flown.standings.len() == 4);
+            let ran = everything(TICKS).from(&checkpoint).run();
+            prop_assert!(ran.result.is_err() || ran.standings.len() == 4);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Runs that are saved and continued, seen through fake units.
 
-use super::fake::{Answer, Flown, P, Script, U, V, Y, answering, counter, description, port, repeater, signal, unit};
+use super::fake::{Answer, P, Ran, Script, U, V, Y, answering, counter, description, port, repeater, signal, unit};
 use super::{TIME, number};
 use crate::run::message::Reason;
 use crate::run::step_loop::Checkpoint;
@@ -48,7 +48,7 @@ pub fn everything(ticks: u64) -> Script {
     script.record(&[(0, Y), (1, U), (1, Y), (2, Y), (3, U), (3, V), (3, Y), (4, U), (4, Y), (4, P)])
 }
 
-fn continues(whole: &Flown, continued: &Flown, tick: u64) {
+fn continues(whole: &Ran, continued: &Ran, tick: u64) {
     let behind = usize::try_from(tick + 1).unwrap();
     assert_eq!(continued.rows, whole.rows[behind..], "rows behind {tick}");
     assert_eq!(continued.result, whole.result, "the end, continued behind {tick}");
@@ -58,12 +58,12 @@ fn continues(whole: &Flown, continued: &Flown, tick: u64) {
 #[test]
 fn a_run_continues_from_each_of_its_ticks_as_if_it_had_never_stopped() {
     const TICKS: u64 = 15;
-    let whole = everything(TICKS).fly();
+    let whole = everything(TICKS).run();
     assert_eq!(whole.standings.len(), 4);
-    let saved = everything(TICKS).saving(0..TICKS).fly();
+    let saved = everything(TICKS).saving(0..TICKS).run();
     assert_eq!((&saved.rows, &saved.result, &saved.standings), (&whole.rows, &whole.result, &whole.standings));
     for checkpoint in &saved.checkpoints {
-        continues(&whole, &everything(TICKS).from(checkpoint).fly(), checkpoint.tick);
+        continues(&whole, &everything(TICKS).from(checkpoint).run(), checkpoint.tick);
     }
     assert_eq!(saved.checkpoints.len() as u64, TICKS);
 }
@@ -71,14 +71,14 @@ fn a_run_continues_from_each_of_its_ticks_as_if_it_had_never_stopped() {
 #[test]
 fn a_run_continues_in_other_workers_and_saves_the_same_bytes_there() {
     const TICKS: u64 = 15;
-    let whole = everything(TICKS).saving(0..TICKS).fly();
-    let apart = everything(TICKS).on_workers(&[0, 1, 2, 3, 4]).saving(0..TICKS).fly();
+    let whole = everything(TICKS).saving(0..TICKS).run();
+    let apart = everything(TICKS).on_workers(&[0, 1, 2, 3, 4]).saving(0..TICKS).run();
     for (together, apart) in whole.checkpoints.iter().zip(&apart.checkpoints) {
         let [bytes, same] = [together, apart].map(|checkpoint| postcard::to_stdvec(checkpoint).unwrap());
         assert_eq!(bytes, same, "saved at {}", together.tick);
-        continues(&whole, &everything(TICKS).on_workers(&[1, 0, 1, 2, 0]).from(apart).fly(), apart.tick);
-        let later = everything(TICKS).on_workers(&[0, 0, 1, 1, 1]).from(apart).saving(0..TICKS).fly();
-        let [last, again] = [&whole, &later].map(|flown| postcard::to_stdvec(&flown.checkpoints.last()).unwrap());
+        continues(&whole, &everything(TICKS).on_workers(&[1, 0, 1, 2, 0]).from(apart).run(), apart.tick);
+        let later = everything(TICKS).on_workers(&[0, 0, 1, 1, 1]).from(apart).saving(0..TICKS).run();
+        let [last, again] = [&whole, &later].map(|ran| postcard::to_stdvec(&ran.checkpoints.last()).unwrap());
         assert!(apart.tick + 1 == TICKS || last == again, "saved at {} and later", apart.tick);
     }
 }
@@ -92,17 +92,17 @@ fn a_unit_that_is_done_within_a_slow_step_ends_the_continued_run_too() {
             script.scenario.stop_tick = 9;
             script
         };
-        let whole = script().saving([2]).fly();
+        let whole = script().saving([2]).run();
         let reason = whole.result.as_ref().map(|finish| &finish.reason);
         assert_eq!(reason, Ok(&Reason::Terminated(0)));
-        continues(&whole, &script().from(&whole.checkpoints[0]).fly(), 2);
+        continues(&whole, &script().from(&whole.checkpoints[0]).run(), 2);
     }
 }
 
 #[test]
 fn a_step_that_is_lost_leaves_no_checkpoint_and_breaks_the_run_when_it_is_due() {
     let script = || Script::new(vec![answering(4, 0, |_| Answer::Error), counter(1, 0)]).record(&[(0, Y), (1, Y)]);
-    let (whole, saved) = (script().fly(), script().saving([1, 2]).fly());
+    let (whole, saved) = (script().run(), script().saving([1, 2]).run());
     assert_eq!((saved.rows.len(), saved.checkpoints.len()), (4, 0));
     assert_eq!(saved.rows, whole.rows);
     let failure = saved.result.unwrap_err();
@@ -112,7 +112,7 @@ fn a_step_that_is_lost_leaves_no_checkpoint_and_breaks_the_run_when_it_is_due() 
 
 #[test]
 fn a_checkpoint_of_another_shape_fits_no_run() {
-    let checkpoint = everything(15).saving([4]).fly().checkpoints.remove(0);
+    let checkpoint = everything(15).saving([4]).run().checkpoints.remove(0);
     let description = description();
     let fits = |script: Script| checkpoint.fits(&script.scenario, &vec![&description; script.units.len()]);
     assert!(fits(everything(15)));

@@ -2,10 +2,10 @@
 
 use crate::flatten::claims::Claims;
 use crate::flatten::values::Values;
-use crate::flatten::wiring::{Pick, Wiring};
+use crate::flatten::wiring::{VariableSlot, Wiring};
 use crate::run::message::Finish;
-use crate::run::step_loop::{Checkpoint, StepLoop, Wishes, Witness};
-use crate::run::worker::{Leaving, Lost, Order, Reply, Terminated, Ticket, Worker};
+use crate::run::step_loop::{Checkpoint, LoopOptions, Observer, StepLoop};
+use crate::run::worker::{Lost, Order, Reply, Shutdown, Terminated, Ticket, Worker};
 use dsl::scenario::{
     Column, Connection, Drive, Event, Formula, InitialStep, Instance, Port, RealExpression, Scenario, Set, TickWindow,
 };
@@ -82,7 +82,7 @@ pub struct Script {
     pub from: Option<Checkpoint>,
 }
 
-pub struct Flown {
+pub struct Ran {
     pub result: Result<Finish, Failure>,
     /// For each row its values.
     pub rows: Vec<Vec<f64>>,
@@ -93,7 +93,7 @@ pub struct Flown {
     pub asked: Vec<String>,
 }
 
-impl Flown {
+impl Ran {
     pub fn column(&self, column: usize) -> Vec<f64> {
         self.rows.iter().map(|row| row[column]).collect()
     }
@@ -166,7 +166,7 @@ impl Script {
         self
     }
 
-    pub fn fly(self) -> Flown {
+    pub fn run(self) -> Ran {
         let description = description();
         let descriptions = vec![&description; self.units.len()];
         let wiring = Wiring::new(&self.scenario, &descriptions, &self.worker_of);
@@ -187,12 +187,12 @@ impl Script {
             checkpoints: Vec::new(),
         };
         seen.standings.resize(self.scenario.claims.len(), None);
-        let wishes = Wishes { fail_fast: self.fail_fast, record: true };
+        let wishes = LoopOptions { fail_fast: self.fail_fast, record: true };
         let result = StepLoop::new(wiring, claims, workers, wishes, &mut seen).run(self.from.as_ref());
         let standings: Vec<_> = seen.standings.into_iter().flatten().collect();
         let verdicts = standings.iter().map(|standing| standing.verdict).collect();
         let asked = asked.borrow().clone();
-        Flown { result, rows: seen.rows, verdicts, standings, checkpoints: seen.checkpoints, asked }
+        Ran { result, rows: seen.rows, verdicts, standings, checkpoints: seen.checkpoints, asked }
     }
 }
 
@@ -206,7 +206,7 @@ struct Seen {
     checkpoints: Vec<Checkpoint>,
 }
 
-impl Witness for &mut Seen {
+impl Observer for &mut Seen {
     fn reached(&mut self, tick: u64) {
         self.tick = tick;
     }
@@ -233,7 +233,7 @@ impl Witness for &mut Seen {
 struct FakeWorker {
     index: usize,
     wiring: Vec<(Vec<usize>, u64)>,
-    members: Vec<crate::flatten::wiring::Member>,
+    ports: Vec<crate::flatten::wiring::InstancePorts>,
     units: Vec<Rc<RefCell<Fake>>>,
     mine: Vec<usize>,
     steps: Vec<u32>,
@@ -256,7 +256,7 @@ impl FakeWorker {
         Self {
             index,
             wiring: wiring.groups.iter().map(|group| (group.instances.clone(), group.every)).collect(),
-            members: wiring.members.clone(),
+            ports: wiring.ports.clone(),
             units: units.to_vec(),
             mine: (0..count).filter(|&instance| worker_of[instance] == index).collect(),
             steps: vec![0; count],
@@ -269,13 +269,13 @@ impl FakeWorker {
     }
 
     fn input(&self, instance: usize, variable: usize, inputs: &Values, otherwise: f64) -> f64 {
-        let span = &self.members[instance].inputs.reals;
+        let span = &self.ports[instance].inputs.reals;
         let position = span.variables.iter().position(|&has| has == variable);
         position.map_or(otherwise, |position| inputs.reals[span.start + position])
     }
 
     fn show(&self, instance: usize, y: f64, outputs: &mut Values) {
-        let span = &self.members[instance].outputs.reals;
+        let span = &self.ports[instance].outputs.reals;
         for (at, &variable) in span.range().zip(&span.variables) {
             assert_eq!(variable, Y);
             outputs.reals[at] = y;
@@ -284,7 +284,7 @@ impl FakeWorker {
 }
 
 impl Worker for FakeWorker {
-    fn set_initial(&mut self, instance: usize, picks: &[Pick], inputs: &Values) -> Result<(), Lost> {
+    fn set_initial(&mut self, instance: usize, picks: &[VariableSlot], inputs: &Values) -> Result<(), Lost> {
         assert!(self.mine.contains(&instance));
         for pick in picks {
             // Initially y is u, so that initialization can be followed along arrows.
@@ -293,7 +293,7 @@ impl Worker for FakeWorker {
         Ok(())
     }
 
-    fn get_initial(&mut self, instance: usize, picks: &[Pick], outputs: &mut Values) -> Result<(), Lost> {
+    fn get_initial(&mut self, instance: usize, picks: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost> {
         for pick in picks {
             outputs.reals[pick.slot.index] = self.initial[instance] + 1.0;
         }
@@ -365,7 +365,7 @@ impl Worker for FakeWorker {
         Ok(())
     }
 
-    fn finish(&mut self, _: u64, _: Leaving) -> Result<(), Lost> {
+    fn finish(&mut self, _: u64, _: Shutdown) -> Result<(), Lost> {
         Ok(())
     }
 }
