@@ -10,6 +10,8 @@
 //! With `--isolate` the loop is a thread of the parent and each unit has a worker process, see [`bus`]. Whatever a unit does
 //! to its process, the parent still holds the rows and the last words.
 
+#![forbid(unsafe_code)]
+
 #[cfg(feature = "bus")]
 pub mod bus;
 pub mod cli;

@@ -1,4 +1,5 @@
 //! Unit `quadcopter`: the ports of `models::quadcopter`.
+#![forbid(unsafe_code)]
 
 use fmu::{Context, Fault, FmiEnum, Fmu, Model, Outcome, Step, vehicle};
 use models::quadcopter::{GroundTurbulence, INNER_STEP_S, Inputs, Parameters, State};

@@ -1,4 +1,5 @@
 //! Unit `quadcopter_controller`: the ports of `models::quadcopter_controller`.
+#![forbid(unsafe_code)]
 
 use fmu::{Context, Fault, FmiEnum, Fmu, Model, Outcome, Step, vehicle};
 use models::quadcopter_controller::{Mode, Parameters, State};

@@ -1,4 +1,5 @@
 //! Unit `trajectory`: the ports of `models::trajectory`.
+#![forbid(unsafe_code)]
 
 use fmu::{Context, Fault, Fmu, Model, Outcome, Step, vehicle};
 use models::trajectory::Parameters;

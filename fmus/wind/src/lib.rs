@@ -1,4 +1,5 @@
 //! Unit `wind`: the ports of `models::wind`.
+#![forbid(unsafe_code)]
 
 use fmu::{Context, Fault, FmiEnum, Fmu, Group, Model, Outcome, Step, vehicle};
 use models::wind::{Inputs, Parameters, State};

@@ -3,20 +3,56 @@
 use std::path::Path;
 
 /// Manifests of crates, each with the dependencies that it may have.
-const ALLOWED: [(&str, &[&str]); 3] = [
+const ALLOWED: [(&str, &[&str]); 5] = [
     ("models/Cargo.toml", &["libm", "nalgebra", "serde"]),
     ("dsl/Cargo.toml", &["annotate-snippets", "fmi2", "libm", "pest", "pest_derive", "serde", "strsim"]),
     ("fmus/fmi2/Cargo.toml", &["roxmltree", "serde", "strsim"]),
+    ("orchestrator/unit/Cargo.toml", &["fmi2", "libc", "libloading", "serde", "sha2", "zip", "zmij"]),
+    (
+        "orchestrator/results/Cargo.toml",
+        &["base64", "humantime", "parquet", "postcard", "serde", "serde_json", "sha2", "unit", "zmij"],
+    ),
 ];
+
+/// The folders of the crate `orchestrator`, each with the folders that it may use. All of them may use the crates
+/// `unit` and `results`.
+const ROOMS: [(&str, &[&str]); 6] = [
+    ("flatten", &["flatten"]),
+    ("run", &["run", "flatten"]),
+    ("host", &["host", "run", "flatten"]),
+    ("find", &["find", "run", "flatten"]),
+    ("bus", &["bus", "host", "run", "flatten"]),
+    ("cli", &["cli", "bus", "find", "host", "run", "flatten"]),
+];
+
+/// Crates whose purpose needs unsafe code; every other crate forbids it.
+const UNSAFE: [&str; 3] = ["fmus/fmu/", "fmus/fmu-derive/", "orchestrator/unit/"];
 
 fn place(path: &Path, index: usize) -> String {
     format!("{}:{}", path.display(), index + 1)
 }
 
-/// The code of a line, without comments and without the content of simple string literals.
+/// The code of a line, without comments and without the content of string literals.
 fn code(line: &str) -> String {
-    let without_comment = line.split("//").next().unwrap_or_default();
-    without_comment.replace("\\\"", "").split('"').step_by(2).collect::<Vec<_>>().join("\"\"")
+    let mut code = String::new();
+    let (mut quoted, mut escaped) = (false, false);
+    for letter in line.chars() {
+        match letter {
+            _ if escaped => escaped = false,
+            '\\' if quoted => escaped = true,
+            '"' => {
+                quoted = !quoted;
+                code.push('"');
+            }
+            '/' if !quoted && code.ends_with('/') => {
+                code.pop();
+                break;
+            }
+            letter if !quoted => code.push(letter),
+            _ => {}
+        }
+    }
+    code
 }
 
 fn has_word(code: &str, word: &str) -> bool {
@@ -26,13 +62,49 @@ fn has_word(code: &str, word: &str) -> bool {
 /// `unsafe` is allowed in the export layer, in the importer, and in the benchmarks' peer loops. The type of a C
 /// function is not unsafe code.
 pub(super) fn unsafe_code(path: &Path, text: &str) -> Vec<String> {
-    let places = ["fmus/fmu/", "fmus/fmu-derive/", "orchestrator/unit/", "orchestrator/benches/"];
-    if places.iter().any(|allowed| path.starts_with(allowed)) {
+    if UNSAFE.iter().any(|allowed| path.starts_with(allowed)) || path.starts_with("orchestrator/benches") {
         return Vec::new();
     }
     let is_type = |code: &str| code.contains("unsafe extern \"\" fn(");
     let found = text.lines().enumerate().filter(|(_, line)| has_word(&code(line), "unsafe") && !is_type(&code(line)));
-    found.map(|(i, _)| format!("{}: `unsafe` outside fmus/fmu and orchestrator/unit", place(path, i))).collect()
+    let mut findings: Vec<_> =
+        found.map(|(i, _)| format!("{}: `unsafe` outside {}", place(path, i), UNSAFE.join(", "))).collect();
+    let is_root = path.ends_with("src/lib.rs") || path.ends_with("src/main.rs");
+    if is_root && !text.lines().any(|line| line == "#![forbid(unsafe_code)]") {
+        findings.push(format!("{}: no `#![forbid(unsafe_code)]`", path.display()));
+    }
+    findings
+}
+
+/// A folder of the orchestrator uses only those that come after it on the way from the command line to a unit.
+pub(super) fn rooms(path: &Path, text: &str) -> Vec<String> {
+    let Some((room, allowed)) = ROOMS.iter().find(|(room, _)| path.starts_with(format!("orchestrator/src/{room}")))
+    else {
+        return Vec::new();
+    };
+    let mut findings = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let code = code(line);
+        let used = code.split("crate::").skip(1).map(|rest| rest.split(|c: char| !c.is_alphanumeric()).next());
+        // A small scenario that tests share belongs to no folder.
+        for used in used.flatten().filter(|used| !allowed.contains(used) && !["example", ""].contains(used)) {
+            let allowed = allowed.join(", ");
+            findings.push(format!("{}: `{room}` uses `{used}`, allowed are {allowed}", place(path, index)));
+        }
+    }
+    findings
+}
+
+/// Results know of a unit only why it failed and how time is counted.
+pub(super) fn results(path: &Path, text: &str) -> Vec<String> {
+    if !path.starts_with("orchestrator/results") {
+        return Vec::new();
+    }
+    let allowed = |rest: &str| rest.starts_with("failure") || rest.starts_with("time");
+    let uses_more =
+        |line: &str| code(line).split(' ').any(|word| word.strip_prefix("unit::").is_some_and(|rest| !allowed(rest)));
+    let found = text.lines().enumerate().filter(|(_, line)| uses_more(line));
+    found.map(|(i, _)| format!("{}: results use more of `unit` than `failure` and `time`", place(path, i))).collect()
 }
 
 /// zenoh is used only by the bus, and by the reference that a benchmark compares the bus with.
@@ -44,7 +116,7 @@ pub(super) fn bus(path: &Path, text: &str) -> Vec<String> {
     found.map(|(i, _)| format!("{}: zenoh outside orchestrator/src/bus", place(path, i))).collect()
 }
 
-/// `models`, `dsl` and `fmi2` depend only on the crates that the README lists.
+/// The crates of [`ALLOWED`] depend on nothing else.
 pub(super) fn dependencies(root: &Path) -> std::io::Result<Vec<String>> {
     let mut findings = Vec::new();
     for (manifest, allowed) in ALLOWED {
@@ -69,5 +141,7 @@ mod tests {
         assert!(has_word(&code("unsafe { x() }"), "unsafe"));
         assert_eq!(unsafe_code(Path::new("a.rs"), "type F = unsafe extern \"C\" fn(i32);"), Vec::<String>::new());
         assert!(!has_word(&code("#![forbid(unsafe_code)]"), "unsafe"));
+        assert!(has_word(&code("let url = \"https://x\"; unsafe { f() }"), "unsafe"));
+        assert!(!has_word(&code("let x = \"a \\\" unsafe\";"), "unsafe"));
     }
 }

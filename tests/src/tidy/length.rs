@@ -1,9 +1,10 @@
-//! Checks that files have at most 400 lines and functions at most 60.
+//! Checks that files have at most 400 lines, functions at most 60 and crates at most 14,000.
 
 use std::path::Path;
 
 const FILE_LINES: usize = 400;
 const FUNCTION_LINES: usize = 60;
+const CRATE_LINES: usize = 14_000;
 
 pub(super) fn findings(path: &Path, text: &str) -> Vec<String> {
     let lines: Vec<_> = text.lines().collect();
@@ -11,11 +12,12 @@ pub(super) fn findings(path: &Path, text: &str) -> Vec<String> {
     if lines.len() > FILE_LINES {
         findings.push(format!("{}: {} lines, more than {FILE_LINES}", path.display(), lines.len()));
     }
-    let mut open: Option<(usize, &str, &str)> = None;
+    // Functions that are open, the innermost last.
+    let mut open: Vec<(usize, &str, &str)> = Vec::new();
     for (index, line) in lines.iter().enumerate() {
         if let Some((indent, name)) = function_start(line) {
-            open = Some((index, indent, name));
-        } else if let Some((start, indent, name)) = open
+            open.push((index, indent, name));
+        } else if let Some(&(start, indent, name)) = open.last()
             && line.strip_prefix(indent).is_some_and(|rest| rest.starts_with('}'))
         {
             let length = index - start + 1;
@@ -23,10 +25,29 @@ pub(super) fn findings(path: &Path, text: &str) -> Vec<String> {
                 let place = format!("{}:{}", path.display(), start + 1);
                 findings.push(format!("{place}: function `{name}` has {length} lines, more than {FUNCTION_LINES}"));
             }
-            open = None;
+            open.pop();
         }
     }
     findings
+}
+
+/// Crates that have grown too long: each folder with a `Cargo.toml`, counted below its `src`.
+///
+/// # Errors
+/// If a file or folder of the tree cannot be read.
+pub(super) fn of_crates(root: &Path) -> std::io::Result<Vec<String>> {
+    let mut findings = Vec::new();
+    for manifest in super::files_below(root, root, "toml")?.iter().filter(|path| path.ends_with("Cargo.toml")) {
+        let folder = manifest.parent().unwrap_or(Path::new(""));
+        let mut lines = 0;
+        for path in super::files_below(root, &root.join(folder).join("src"), "rs")? {
+            lines += std::fs::read_to_string(root.join(path))?.lines().count();
+        }
+        if lines > CRATE_LINES {
+            findings.push(format!("{}: {lines} lines below src, more than {CRATE_LINES}", folder.display()));
+        }
+    }
+    Ok(findings)
 }
 
 /// Indentation and name of a function that starts on this line and whose body is not complete on it.

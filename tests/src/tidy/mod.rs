@@ -18,8 +18,11 @@ pub fn findings(root: &Path) -> std::io::Result<Vec<String>> {
         findings.extend(length::findings(&path, &text));
         findings.extend(borders::unsafe_code(&path, &text));
         findings.extend(borders::bus(&path, &text));
+        findings.extend(borders::rooms(&path, &text));
+        findings.extend(borders::results(&path, &text));
     }
     findings.extend(borders::dependencies(root)?);
+    findings.extend(length::of_crates(root)?);
     findings.extend(citations::findings(root)?);
     findings.extend(scenarios_without_golden_trace(root)?);
     Ok(findings)
@@ -77,7 +80,11 @@ mod tests {
     /// A tree without violations.
     fn tidy_tree() -> tempfile::TempDir {
         let root = tempfile::tempdir().unwrap();
-        write(root.path(), "models/src/lib.rs", "//! The mathematics of one thing.\n\n/// Adds.\nfn add() {}\n");
+        write(
+            root.path(),
+            "models/src/lib.rs",
+            "//! The mathematics of one thing.\n#![forbid(unsafe_code)]\n\n/// Adds.\nfn add() {}\n",
+        );
         write(root.path(), "models/Cargo.toml", "[dependencies]\nlibm.workspace = true\n");
         write(root.path(), "models/REFERENCES.md", "- Geng & Chulin (2016): a paper.\n");
         write(root.path(), "scenarios/a.scn", "");
@@ -115,7 +122,51 @@ mod tests {
     #[test]
     fn unsafe_code_outside_the_allowed_folders_is_found() {
         let found = after("dsl/src/x.rs", "//! Something that is unsafe.\nfn f() { unsafe { g() } }\n");
-        assert_eq!(found, ["dsl/src/x.rs:2: `unsafe` outside fmus/fmu and orchestrator/unit"]);
+        assert_eq!(found, ["dsl/src/x.rs:2: `unsafe` outside fmus/fmu/, fmus/fmu-derive/, orchestrator/unit/"]);
+    }
+
+    #[test]
+    fn a_long_function_with_a_function_inside_is_found() {
+        let inner = "    fn inner() {\n        b();\n    }\n";
+        let text = format!("//! Something that is long.\nfn outer() {{\n{inner}{}}}\n", "    a();\n".repeat(60));
+        assert_eq!(after("dsl/src/x.rs", &text), ["dsl/src/x.rs:2: function `outer` has 65 lines, more than 60"]);
+    }
+
+    #[test]
+    fn a_crate_that_does_not_forbid_unsafe_code_is_found() {
+        let found = after("dsl/src/lib.rs", "//! The language of scenarios.\n");
+        assert_eq!(found, ["dsl/src/lib.rs: no `#![forbid(unsafe_code)]`"]);
+    }
+
+    #[test]
+    fn a_folder_that_uses_one_before_it_is_found() {
+        let found = after("orchestrator/src/run/x.rs", "//! Something that steps.\nuse crate::host::child;\n");
+        assert_eq!(found, ["orchestrator/src/run/x.rs:2: `run` uses `host`, allowed are run, flatten"]);
+        assert_eq!(
+            after("orchestrator/src/run/x.rs", "//! Something that steps.\nuse crate::flatten::wiring;\n"),
+            Vec::<String>::new()
+        );
+    }
+
+    #[test]
+    fn results_that_use_more_of_a_unit_than_failure_and_time_are_found() {
+        let text = "//! Something that is written.\nuse unit::time::seconds;\nuse unit::instance::Instance;\n";
+        let found = after("orchestrator/results/src/x.rs", text);
+        assert_eq!(found, ["orchestrator/results/src/x.rs:3: results use more of `unit` than `failure` and `time`"]);
+    }
+
+    #[test]
+    fn a_crate_of_over_14000_lines_is_found() {
+        let root = tidy_tree();
+        write(root.path(), "dsl/Cargo.toml", "[package]\nname = \"dsl\"\n");
+        for file in 0..36 {
+            write(
+                root.path(),
+                &format!("dsl/src/x{file}.rs"),
+                &format!("//! Something that is long.\n{}", "\n".repeat(399)),
+            );
+        }
+        assert_eq!(findings(root.path()).unwrap(), ["dsl: 14400 lines below src, more than 14000"]);
     }
 
     #[test]
