@@ -53,6 +53,12 @@ impl Diagnostic {
         Self { severity: Severity::Warning, ..Self::error(code, span, message) }
     }
 
+    /// Whether the script cannot run.
+    #[must_use]
+    pub fn is_error(&self) -> bool {
+        self.severity == Severity::Error
+    }
+
     /// Says something under the primary place.
     #[must_use]
     pub fn saying(mut self, text: impl Into<String>) -> Self {
@@ -78,7 +84,7 @@ impl Diagnostic {
 }
 
 /// How many findings are shown: nobody reads more, and they mostly have one cause.
-const SHOWN: usize = 100;
+pub(crate) const SHOWN: usize = 100;
 
 /// The diagnostics as a user reads them, in the order of their places, each followed by an empty line. Of more than 100 the
 /// others are counted in a last line; errors are shown before warnings take their place.
@@ -87,13 +93,13 @@ pub fn render(sources: &Sources, diagnostics: &[Diagnostic], colour: bool) -> St
     let mut in_order: Vec<_> = diagnostics.iter().collect();
     in_order.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span));
     let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
-    let errors = diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error).count();
+    let errors = diagnostics.iter().filter(|diagnostic| diagnostic.is_error()).count();
     let warnings = diagnostics.len() - errors;
     let shown_errors = errors.min(SHOWN);
     let shown_warnings = warnings.min(SHOWN - shown_errors);
     let (mut errors_left, mut warnings_left) = (shown_errors, shown_warnings);
     in_order.retain(|diagnostic| {
-        let left = if diagnostic.severity == Severity::Error { &mut errors_left } else { &mut warnings_left };
+        let left = if diagnostic.is_error() { &mut errors_left } else { &mut warnings_left };
         let is_shown = *left > 0;
         *left = left.saturating_sub(1);
         is_shown

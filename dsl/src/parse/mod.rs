@@ -111,9 +111,15 @@ pub fn parse_assignment(sources: &Sources, text: u32) -> Result<Binding, Vec<Dia
 
 /// The one pair of a rule that spans a whole text.
 fn match_rule(rule: Rule, text: &str) -> Result<Pair<'_, Rule>, Box<pest::error::Error<Rule>>> {
-    // Without it pest tells which rule failed, but not how far it came.
-    pest::set_error_detail(true);
-    Grammar::parse(rule, text).map_err(Box::new).map(tree::only)
+    let matched = Grammar::parse(rule, text).or_else(|error| match error.parse_attempts() {
+        Some(_) => Err(error),
+        // Without it pest returns which rule failed, but not how far it came; a text without errors is read faster.
+        None => {
+            pest::set_error_detail(true);
+            Grammar::parse(rule, text)
+        }
+    });
+    matched.map_err(Box::new).map(tree::only)
 }
 
 /// Does work with a stack that carries the deepest nesting allowed, whatever the caller's stack.

@@ -1,5 +1,6 @@
 //! `assert`: what must hold, how far it looks ahead, and what its margin is measured in.
 
+use super::frame::Placed;
 use super::grid::duration;
 use super::meaning::{Bound, Condition, Measure};
 use super::scope::Scope;
@@ -15,10 +16,12 @@ use super::real;
 /// A claim keeps values of so many steps at most; more would not fit into memory beside the run.
 const MOST_STEPS_AHEAD: u64 = 10_000_000;
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// The claims in the script's order.
     pub fn claims(&self, stop_tick: Option<u64>) -> Vec<Claim> {
-        self.script.claims.iter().filter_map(|(name, claim)| self.claim(name, claim, stop_tick)).collect()
+        let claim =
+            |claim: &Placed<(&Name, &Expression)>| self.at(claim.frame).claim(claim.part.0, claim.part.1, stop_tick);
+        self.script.claims.iter().filter_map(claim).collect()
     }
 
     fn claim(&self, name: &Name, claim: &Expression, stop_tick: Option<u64>) -> Option<Claim> {

@@ -23,7 +23,7 @@ impl Sides<'_> {
     }
 }
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// `a < b < c`, `a == b ± d`: each neighbour pair holds.
     pub fn comparison(&self, first: &Expression, rest: &[ComparisonLink], span: Span) -> Option<Condition> {
         let meanings: Vec<_> = std::iter::once(first)
@@ -38,7 +38,7 @@ impl Scope<'_> {
         let bounds: Vec<_> = sides
             .enumerate()
             .map(|(at, (left, link))| {
-                let (l, r) = (meanings[at].as_ref()?, meanings[at + 1].as_ref()?);
+                let (l, r) = (meanings[at].as_deref()?, meanings[at + 1].as_deref()?);
                 self.compared(&Sides { left, right: &link.operand, link }, l, r)
             })
             .collect();
@@ -206,7 +206,7 @@ impl Scope<'_> {
     /// Whether two enumerations have the same items.
     pub fn same_items(&self, left: Port, right: Port) -> bool {
         let items = |port: Port| {
-            let items = self.known(port.instance).items_of(self.variable(port)).iter();
+            let items = self.known(port.instance).items_of(port.variable).iter();
             items.map(|item| (item.name.as_str(), item.value)).collect::<Vec<_>>()
         };
         items(left) == items(right)

@@ -2,6 +2,7 @@
 
 use super::meaning::{Measure, Real};
 use super::scope::Scope;
+use super::script::Declared;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::syntax::Expression;
@@ -65,7 +66,7 @@ pub(super) fn duration(ns: u64) -> String {
     format!("{} {name}", ns as f64 / unit)
 }
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// The grid; `None` if the script does not say a usable `step`.
     pub fn grid(&self) -> Option<Grid> {
         let step = self.script.step?;
@@ -92,8 +93,11 @@ impl Scope<'_> {
 
     /// The period of each instance in ticks; `None` if one of them is not usable.
     pub fn periods(&self) -> Option<Vec<u64>> {
-        let period = |every: Option<_>| every.map_or(Some(1), |every| self.ticks(every, Least::OneTick));
-        let periods: Vec<_> = self.script.instances.iter().map(|instance| period(instance.every)).collect();
+        let period = |instance: &Declared<'_>| match instance.every {
+            Some(every) => self.at(instance.frame).ticks(every, Least::OneTick),
+            None => Some(1),
+        };
+        let periods: Vec<_> = self.script.instances.iter().map(period).collect();
         periods.into_iter().collect()
     }
 

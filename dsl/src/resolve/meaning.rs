@@ -1,5 +1,7 @@
 //! What an expression can mean.
 
+use std::rc::Rc;
+
 use fmi2::units::{BaseUnit, Dimension};
 
 use crate::scenario::{BooleanExpression, Limit, Margin, MarginUnit, Port, RealExpression, TickWindow};
@@ -20,7 +22,7 @@ pub(super) enum Meaning {
     /// A text.
     Text(Text),
     /// A list literal, picked members, or a computed vector.
-    List(Vec<Meaning>),
+    List(Vec<Rc<Meaning>>),
     /// A group as a unit names it.
     Group(Group),
 }
@@ -271,7 +273,7 @@ impl Meaning {
             Self::Integer(_) | Self::Item(_) | Self::Group(_) | Self::Text(Text::Port(_)) => false,
             Self::Condition(condition) => matches!(condition.boolean(), Ok(BooleanExpression::Constant(_))),
             Self::Text(Text::Literal(_) | Text::File(_)) => true,
-            Self::List(elements) => elements.iter().all(Self::is_constant),
+            Self::List(elements) => elements.iter().all(|element| element.is_constant()),
         }
     }
 
@@ -280,7 +282,7 @@ impl Meaning {
         match self {
             Self::Real(real) => real_size(&real.expression),
             Self::Condition(condition) => condition.size(),
-            Self::List(elements) => 1 + elements.iter().map(Self::size).sum::<usize>(),
+            Self::List(elements) => 1 + elements.iter().map(|element| element.size()).sum::<usize>(),
             Self::Integer(_) | Self::Item(_) | Self::Text(_) | Self::Group(_) => 1,
         }
     }

@@ -71,16 +71,15 @@ pub(super) fn unit_name(name: &str, base: BaseUnit, written: bool) -> UnitName {
     UnitName { unit, spelt: name.to_owned(), written }
 }
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// The declared unit of a Real variable; `None` if nothing but perhaps a name is known.
     pub fn declared_unit(&self, port: Port) -> Option<BaseUnit> {
-        let description = self.known(port.instance);
-        description.unit(description.unit_of(self.variable(port))?)?.base
+        self.known(port.instance).base_of(port.variable)
     }
 
     /// The value of a Real variable, in SI.
     pub fn real_port(&self, port: Port) -> Real {
-        let name = self.known(port.instance).unit_of(self.variable(port)).unwrap_or_default();
+        let name = self.known(port.instance).unit_of(port.variable).unwrap_or_default();
         let signal = RealExpression::Signal(port);
         let (expression, measure, unit) = match self.declared_unit(port) {
             Some(base) => (real::to_si(signal, base), Measure::Known(base.dimension), unit_name(name, base, false)),
@@ -93,7 +92,7 @@ impl Scope<'_> {
     pub fn port_unit(&self, port: Port) -> String {
         let owner = &self.script.instances[port.instance].unit.text;
         let variable: &Variable = self.variable(port);
-        let name = self.known(port.instance).unit_of(variable);
+        let name = self.known(port.instance).unit_of(port.variable);
         match (name, self.declared_unit(port)) {
             (Some(name), Some(base)) => match base.dimension.to_string() {
                 si if si == name => format!("{name}  ({owner})"),

@@ -46,12 +46,12 @@
 //! | W04 | a window that opens after the end of the run |
 //! | W05 | a unit that needs another program |
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use fmi2::description::ModelDescription;
 
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::Diagnostic;
 use crate::parse::with_stack;
 use crate::scenario::{Instance, Scenario};
 use crate::source::Sources;
@@ -64,7 +64,9 @@ mod column;
 mod comparison;
 mod event;
 mod expression;
+mod findings;
 mod fit;
+mod frame;
 mod function;
 mod grid;
 mod initial;
@@ -78,6 +80,7 @@ mod scope;
 mod script;
 mod signal;
 mod temporal;
+mod unit;
 mod unit_name;
 mod wave;
 mod wire;
@@ -85,7 +88,7 @@ mod wire;
 #[cfg(test)]
 mod tests;
 
-use scope::Scope;
+use scope::{Scope, Shared};
 
 /// Why a unit cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -124,26 +127,22 @@ pub struct Resolved {
 /// The names and paths of the units that a script needs, each once, in order.
 #[must_use]
 pub fn units(file: &File) -> Vec<&Word> {
-    let mut found: Vec<&Word> = Vec::new();
-    for statement in &file.statements {
-        if let StatementKind::Fmu(instance) = &statement.kind
-            && !found.iter().any(|word| word.text == instance.unit.text)
-        {
-            found.push(&instance.unit);
-        }
-    }
-    found
+    let mut seen = BTreeSet::new();
+    let named = file.statements.iter().filter_map(|statement| match &statement.kind {
+        StatementKind::Fmu(instance) => Some(&instance.unit),
+        _ => None,
+    });
+    named.filter(|word| seen.insert(word.text.as_str())).collect()
 }
 
 /// Finds out what a script means, or everything that is wrong with it.
 #[must_use]
 pub fn resolve(request: &Request<'_>) -> Resolved {
     with_stack(|| {
-        let scope = Scope::new(*request);
-        let scenario = scenario(&scope);
-        let (mut diagnostics, rises) = scope.finish();
-        diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span));
-        let failed = diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error);
+        let shared = Shared::new(*request);
+        let scenario = scenario(shared.top());
+        let failed = shared.failed();
+        let (diagnostics, rises) = shared.finish();
         let scenario = scenario.filter(|_| !failed).map(|scenario| Scenario { rises, ..scenario });
         assert!(failed || scenario.is_some(), "a script without an error has a meaning");
         Resolved { scenario, diagnostics }
@@ -151,7 +150,7 @@ pub fn resolve(request: &Request<'_>) -> Resolved {
 }
 
 /// Every pass runs, whatever an earlier one found, so that all errors come at once.
-fn scenario(scope: &Scope<'_>) -> Option<Scenario> {
+fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
     let parameters = scope.parameters();
     scope.evaluate_lets();
     let grid = scope.grid();

@@ -8,7 +8,7 @@ use crate::scenario::TickWindow;
 use crate::source::Span;
 use crate::syntax::{Expression, ExpressionKind, TemporalWord, TimeSpan};
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// `always`, `eventually` and `hold for` with their window and body.
     pub fn temporal(
         &self,

@@ -89,7 +89,7 @@ const UNITS: &str = r#"<UnitDefinitions>
 
 /// A description out of one line for each variable: causality, variability, type, name, unit or type name, and
 /// `start=`, `initial=`, `deps=` (names; an output without is free of inputs).
-pub(super) fn description(name: &str, lines: &str) -> ModelDescription {
+pub(in crate::resolve) fn description(name: &str, lines: &str) -> ModelDescription {
     let lines: Vec<Vec<&str>> = lines
         .lines()
         .map(|line| line.split_whitespace().collect())

@@ -10,3 +10,5 @@ mod names;
 mod times;
 mod types;
 mod whole;
+
+pub(in crate::resolve) use fixtures::description;
