@@ -1,6 +1,13 @@
 //! Scripts and descriptions of any size, for the benchmark and for the tests of linear cost.
 
 use std::fmt::Write;
+use std::sync::Arc;
+
+use dsl::diagnostic::render;
+use dsl::parse::parse;
+use dsl::resolve::{Request, Units, resolve};
+use dsl::source::Sources;
+use fmi2::description::read::read;
 
 /// What every script begins with.
 const HEAD: &str = "scenario \"Large\"\nstep 10 ms\nstop 60 s\n";
@@ -14,10 +21,12 @@ fn each(count: usize, piece: impl Fn(&mut String, usize) -> std::fmt::Result) ->
     text
 }
 
-/// Two units, each with `count` outputs that all follow from `count` inputs, and `count` connections from one to the other.
+/// `count` connections: half of them give the inputs of a unit a value, the others go from its outputs, of which each may
+/// depend on all inputs, to the inputs of a second unit.
 pub fn connections_of_two_units(count: usize) -> String {
-    let wires = each(count, |text, n| writeln!(text, "a.y[{n}] -> b.u[{n}]"));
-    format!("{HEAD}fmu a = \"large\"\nfmu b = \"large\"\n1 m -> a.u[1]\n{wires}")
+    let values = each(count / 2, |text, n| writeln!(text, "{n} m -> a.u[{n}]"));
+    let wires = each(count / 2, |text, n| writeln!(text, "a.y[{n}] -> b.u[{n}]"));
+    format!("{HEAD}fmu a = \"large\"\nfmu b = \"large\"\n{values}{wires}")
 }
 
 /// A chain of `count` instances.
@@ -104,4 +113,25 @@ fn of_variables(variables: &str, outputs: &str) -> String {
          <ModelStructure><Outputs>{outputs}</Outputs><InitialUnknowns>{outputs}</InitialUnknowns></ModelStructure>\
          </fmiModelDescription>"
     )
+}
+
+/// Units with two ports and with so many.
+pub fn units(ports: usize) -> Units {
+    let unit = |ports| match read(description(ports).as_bytes()) {
+        Ok((read, _)) => Arc::new(read),
+        Err(finding) => panic!("the description of {ports} ports: {finding}"),
+    };
+    Units::from([("small".to_owned(), Ok(unit(2))), ("large".to_owned(), Ok(unit(ports)))])
+}
+
+/// From a script's text to its findings as a user reads them, or to its scenario.
+pub fn understand(script: &str, units: &Units) -> (bool, String) {
+    let mut sources = Sources::default();
+    let text = sources.add("large.scn", script);
+    let parsed = parse(&sources, text);
+    if !parsed.diagnostics.is_empty() {
+        return (false, render(&sources, &parsed.diagnostics, false));
+    }
+    let resolved = resolve(&Request { sources: &sources, file: &parsed.file, units, settings: &[] });
+    (resolved.scenario.is_some(), render(&sources, &resolved.diagnostics, false))
 }
