@@ -13,6 +13,8 @@ use crate::nearest::nearest;
 pub(super) struct Explained {
     /// The error.
     pub diagnostic: Diagnostic,
+    /// Where the outermost statement begins that could not be read.
+    pub statement: usize,
     /// A byte after which a statement may begin.
     pub resume: usize,
 }
@@ -20,15 +22,17 @@ pub(super) struct Explained {
 /// Says what is wrong where a match of statements failed.
 pub(super) fn statements(place: &Place<'_>, error: &Error<Rule>) -> Explained {
     let failure = place.failure(error);
+    let statement = failure.outermost_statement();
     if let ErrorVariant::CustomError { .. } = error.variant {
         // The only error that pest words itself: its stack ran out.
-        return Explained { diagnostic: scan::nested_too_deeply(failure.span()), resume: place.blanked.len() };
+        let diagnostic = scan::nested_too_deeply(failure.span());
+        return Explained { diagnostic, statement, resume: place.blanked.len() };
     }
     if let Some((diagnostic, resume)) = mistakes::unclosed(&failure) {
-        return Explained { diagnostic, resume };
+        return Explained { diagnostic, statement, resume };
     }
     let diagnostic = mistakes::known(&failure).unwrap_or_else(|| unexpected(&failure));
-    Explained { diagnostic, resume: lines::next_statement(place.blanked, failure.at) }
+    Explained { diagnostic, statement, resume: lines::next_statement(place.blanked, failure.at) }
 }
 
 /// Says what is wrong with an assignment of the command line.

@@ -213,6 +213,13 @@ impl<'a> Failure<'a> {
         open
     }
 
+    /// Where the statement begins that holds the failure, with all blocks around it.
+    pub fn outermost_statement(&self) -> usize {
+        let block =
+            self.open_brackets().first().map(|(open, _)| lines::statement_start(self.blanked, self.from, *open));
+        block.map_or(self.statement, |block| block.min(self.statement))
+    }
+
     /// The place of what was found.
     pub fn span(&self) -> Span {
         self.span_of(self.at, self.found().len())

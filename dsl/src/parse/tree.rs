@@ -15,6 +15,8 @@ use crate::syntax::{
 pub(super) struct Walk<'a> {
     source: &'a str,
     text: u32,
+    /// The byte of `source` at which the matched text begins.
+    from: usize,
     /// What the grammar cannot refuse.
     pub diagnostics: Vec<Diagnostic>,
 }
@@ -52,12 +54,12 @@ pub(super) fn next<'i>(pairs: &mut impl Iterator<Item = Pair<'i, Rule>>) -> Pair
 impl<'a> Walk<'a> {
     /// A walk over the pairs of what `source` became.
     pub fn new(source: &'a str, text: u32) -> Self {
-        Self { source, text, diagnostics: Vec::new() }
+        Self { source, text, from: 0, diagnostics: Vec::new() }
     }
 
     /// The place of a pair, without the blanks that pest adds at its end.
     pub fn span(&self, pair: &Pair<'_, Rule>) -> Span {
-        let start = pair.as_span().start();
+        let start = self.from + pair.as_span().start();
         lines::span(self.text, start, start + pair.as_str().trim_end().len())
     }
 
@@ -69,14 +71,20 @@ impl<'a> Walk<'a> {
         Word { text: bare.to_owned(), span: self.span(pair) }
     }
 
+    /// The statements of a text that was matched from a byte of the source on.
+    pub fn statements_from(&mut self, from: usize, pair: Pair<'_, Rule>) -> Vec<Statement> {
+        self.from = from;
+        self.statements(pair)
+    }
+
     /// The statements of a file or block.
-    pub fn statements(&mut self, pair: Pair<'_, Rule>) -> Vec<Statement> {
+    fn statements(&mut self, pair: Pair<'_, Rule>) -> Vec<Statement> {
         parts(pair).map(|statement| self.statement(statement)).collect()
     }
 
     fn statement(&mut self, pair: Pair<'_, Rule>) -> Statement {
         let span = self.span(&pair);
-        Statement { documentation: self.documentation(pair.as_span().start()), kind: self.kind(pair), span }
+        Statement { documentation: self.documentation(self.from + pair.as_span().start()), kind: self.kind(pair), span }
     }
 
     /// The comment lines right above a line.
