@@ -4,7 +4,7 @@ use pest::error::{Error, ErrorVariant};
 
 use super::failure::{Failure, Place};
 use super::grammar::Rule;
-use super::wording::is_reserved;
+use super::wording::{Use, is_reserved, usage, words};
 use super::{lines, mistakes, scan};
 use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
@@ -57,12 +57,11 @@ fn unexpected(failure: &Failure<'_>) -> Diagnostic {
 
 /// The word of the language that was probably meant by the word found, or by the one before it.
 fn meant(failure: &Failure<'_>) -> Option<&'static str> {
-    const BEFORE_VALUES: [&str; 8] = ["always", "eventually", "hold", "not", "and", "or", "implies", "until"];
-    let expected = WORDS.into_iter().filter(|word| failure.expects(word));
+    let expected = words_behind_values().filter(|word| failure.expects(word));
     let (found, previous) = (failure.found(), failure.previous());
     nearest(found, expected).filter(|meant| *meant != found).or_else(|| {
         let misspelt = failure.expects("*") && !is_reserved(previous) && !found.is_empty();
-        nearest(previous, BEFORE_VALUES).filter(|_| misspelt)
+        nearest(previous, words(&[Use::Prefix, Use::Joint])).filter(|_| misspelt)
     })
 }
 
@@ -124,21 +123,21 @@ fn value(failure: &Failure<'_>) -> &'static str {
     }
 }
 
-/// The words that may follow a value.
-const WORDS: [&str; 15] = [
-    "for", "in", "as", "held", "lasting", "on", "every", "set", "fault", "within", "after", "and", "or", "implies",
-    "until",
-];
+/// The words that may follow a value or begin an action; `for` follows `hold`.
+fn words_behind_values() -> impl Iterator<Item = &'static str> {
+    words(&[Use::Action, Use::Clause, Use::Conversion, Use::Joint]).chain(["for"])
+}
 
 /// The brackets, signs and words of the statement that could have come; operators go without saying.
 fn structure(failure: &Failure<'_>) -> Vec<&'static str> {
     const SIGNS: [&str; 11] = ["->", "=>", "=", ":", "~", "{", "}", ")", "]", ",", "\""];
-    let is_operator = |word: &str| match word {
-        "as" | "and" | "or" | "implies" | "until" => true,
-        "in" => failure.expects("as"),
+    // `in` without `as` is that of a range.
+    let is_operator = |word: &str| match usage(word) {
+        Some(Use::Joint) => true,
+        Some(Use::Conversion) => failure.expects("as"),
         _ => false,
     };
-    let words = WORDS.into_iter().filter(|word| !is_operator(word));
+    let words = words_behind_values().filter(|word| !is_operator(word));
     SIGNS.into_iter().chain(words).filter(|token| failure.expects(token)).collect()
 }
 

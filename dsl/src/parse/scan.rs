@@ -4,7 +4,7 @@
 //! that a sign stands at its number.
 
 use super::lines;
-use super::wording::is_reserved;
+use super::wording::{Use, usage};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 
@@ -245,8 +245,10 @@ impl<'a> Scanner<'a> {
         let rest = self.rest();
         let length = rest.find(|c| !is_name_part(c)).unwrap_or(rest.len());
         let word = &rest[..length];
-        let deepens = matches!(word, "not" | "always" | "eventually" | "hold" | "implies" | "until");
-        let operand = !is_reserved(word) || matches!(word, "true" | "false");
+        let usage = usage(word);
+        // `and` and `or` make one list of their operands, however many they are.
+        let deepens = matches!(usage, Some(Use::Prefix | Use::Joint)) && !matches!(word, "and" | "or");
+        let operand = matches!(usage, None | Some(Use::Value));
         self.innermost().operators += usize::from(deepens);
         self.symbol(length, operand);
     }

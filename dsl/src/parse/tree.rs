@@ -4,6 +4,7 @@ use pest::iterators::{Pair, Pairs};
 
 use super::grammar::Rule;
 use super::lines;
+use super::wording::{KEYWORDS, Use};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::syntax::{
@@ -26,16 +27,16 @@ pub(super) fn parts(pair: Pair<'_, Rule>) -> impl Iterator<Item = Pair<'_, Rule>
     pair.into_inner().filter(|part| !is_structure(part.as_rule()))
 }
 
+/// Whether a rule is a word that only shows where a part begins; which word of the others it is counts.
 fn is_structure(rule: Rule) -> bool {
-    use Rule::{
-        AND, ASSERT, AT, EOI, EVERY, FAULT, FMU, FOR, HELD, IMPLIES, LASTING, LET, NOT, ON, OR, PARAM, RECORD,
-        SCENARIO, SET, STEP, STOP, SWEEP, UNTIL, USE, WHEN, WHILE,
-    };
-    let statement = matches!(
-        rule,
-        SCENARIO | STEP | STOP | PARAM | LET | FMU | USE | FOR | AT | WHEN | WHILE | ASSERT | RECORD | SWEEP | EOI
-    );
-    statement || matches!(rule, ON | EVERY | HELD | LASTING | SET | FAULT | AND | OR | NOT | IMPLIES | UNTIL)
+    let usage = KEYWORDS.iter().find(|keyword| keyword.rule == rule).map(|keyword| keyword.usage);
+    match usage {
+        Some(Use::Statement | Use::Action | Use::Joint) => true,
+        Some(Use::Clause) => !matches!(rule, Rule::WITHIN | Rule::AFTER),
+        Some(Use::Prefix) => rule == Rule::NOT,
+        Some(Use::Conversion | Use::Value) => false,
+        None => rule == Rule::EOI,
+    }
 }
 
 /// The one pair that must come.
