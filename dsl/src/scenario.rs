@@ -5,9 +5,11 @@
 //! gone, each connection carries one scalar, times are ticks. Reals inside expressions are SI.
 
 mod curve;
+mod duration;
 mod reads;
 
 pub use curve::Curve;
+pub use duration::duration;
 use serde::{Deserialize, Serialize};
 
 /// A script, ready to run.

@@ -1,12 +1,11 @@
 //! `assert`: what must hold, how far it looks ahead, and what its margin is measured in.
 
 use super::frame::Placed;
-use super::grid::duration;
 use super::meaning::{Bound, Condition, Measure};
 use super::scope::Scope;
 use super::temporal::total;
 use crate::diagnostic::Diagnostic;
-use crate::scenario::{BooleanExpression, Claim, Formula, Limit, Margin};
+use crate::scenario::{BooleanExpression, Claim, Formula, Limit, Margin, duration};
 use crate::source::Span;
 use crate::syntax::{Expression, Name, TemporalWord};
 

@@ -4,6 +4,7 @@ use super::meaning::{Measure, Real};
 use super::scope::Scope;
 use super::script::Declared;
 use crate::diagnostic::Diagnostic;
+use crate::scenario::duration;
 use crate::source::Span;
 use crate::syntax::Expression;
 use fmi2::units::Dimension;
@@ -53,17 +54,6 @@ impl Written {
             None => duration(ns),
         }
     }
-}
-
-/// A duration for people: `5 ms`, `1.5 s`.
-pub(super) fn duration(ns: u64) -> String {
-    let (name, unit) = match ns {
-        1_000_000_000.. | 0 => ("s", 1e9),
-        1_000_000.. => ("ms", 1e6),
-        1_000.. => ("us", 1e3),
-        _ => ("ns", 1.0),
-    };
-    format!("{} {name}", ns as f64 / unit)
 }
 
 impl Scope<'_, '_> {
@@ -170,12 +160,4 @@ impl Scope<'_, '_> {
 
 fn gcd(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { gcd(b, a % b) }
-}
-
-#[test]
-fn a_duration_is_told_in_the_unit_that_keeps_it_short() {
-    assert_eq!(duration(5_000_000), "5 ms");
-    assert_eq!(duration(12_340_000_000), "12.34 s");
-    assert_eq!(duration(250_000), "250 us");
-    assert_eq!(duration(7), "7 ns");
 }

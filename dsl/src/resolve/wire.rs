@@ -13,7 +13,7 @@ use super::scope::Scope;
 use super::script::{Declaration, Wire, not_yet};
 use super::signal::Signal;
 use crate::diagnostic::Diagnostic;
-use crate::scenario::{Connection, Port};
+use crate::scenario::{Connection, Port, duration};
 use crate::source::Span;
 use crate::syntax::{Arrow, ExpressionKind, Path};
 
@@ -161,7 +161,7 @@ impl Scope<'_, '_> {
         for giver in givers.into_iter().filter(|&giver| !divides(giver)) {
             let period = |instance: usize| {
                 let step_ns = self.grid().map_or(0, |grid| grid.step_ns);
-                super::grid::duration(periods[instance].saturating_mul(step_ns))
+                duration(periods[instance].saturating_mul(step_ns))
             };
             let name = |instance: usize| &self.script.instances[instance].name.text;
             let message = format!(
