@@ -33,6 +33,17 @@ pub struct Source {
 }
 
 impl Source {
+    /// A text with its name; a byte order mark at its start is dropped.
+    #[must_use]
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        let mut text = text.into();
+        if text.starts_with(BYTE_ORDER_MARK) {
+            text.drain(..BYTE_ORDER_MARK.len_utf8());
+        }
+        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+        Self { name: name.into(), text, lines }
+    }
+
     /// The line, from 1, that a byte lies in.
     #[must_use]
     pub fn line(&self, byte: usize) -> usize {
@@ -57,12 +68,7 @@ pub struct Sources {
 impl Sources {
     /// Adds a text and returns its index; a byte order mark at its start is dropped.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> u32 {
-        let mut text = text.into();
-        if text.starts_with(BYTE_ORDER_MARK) {
-            text.drain(..BYTE_ORDER_MARK.len_utf8());
-        }
-        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
-        self.texts.push(Source { name: name.into(), text, lines });
+        self.texts.push(Source::new(name, text));
         u32::try_from(self.texts.len() - 1).unwrap_or(u32::MAX)
     }
 

@@ -4,9 +4,11 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use dsl::diagnostic::render;
+use dsl::loader::{Loader, Problem, Table};
 use dsl::parse::parse;
-use dsl::resolve::{Request, Units, resolve};
-use dsl::source::Sources;
+use dsl::resolve::{Request, resolve};
+use dsl::source::{Source, Sources};
+use fmi2::description::ModelDescription;
 use fmi2::description::read::read;
 
 /// What every script begins with.
@@ -115,13 +117,33 @@ fn of_variables(variables: &str, outputs: &str) -> String {
     )
 }
 
+/// A unit with two ports and one with many.
+pub struct Units {
+    small: Arc<ModelDescription>,
+    large: Arc<ModelDescription>,
+}
+
 /// Units with two ports and with so many.
 pub fn units(ports: usize) -> Units {
     let unit = |ports| match read(description(ports).as_bytes()) {
         Ok((read, _)) => Arc::new(read),
         Err(finding) => panic!("the description of {ports} ports: {finding}"),
     };
-    Units::from([("small".to_owned(), Ok(unit(2))), ("large".to_owned(), Ok(unit(ports)))])
+    Units { small: unit(2), large: unit(ports) }
+}
+
+impl Loader for Units {
+    fn unit(&self, _: &Source, name: &str) -> Result<Arc<ModelDescription>, Problem> {
+        Ok(Arc::clone(if name == "small" { &self.small } else { &self.large }))
+    }
+
+    fn text(&self, _: &Source, path: &str) -> Result<Source, Problem> {
+        Err(Problem { message: format!("there is no text `{path}`"), help: None })
+    }
+
+    fn table(&self, _: &Source, path: &str) -> Result<Table, Problem> {
+        Err(Problem { message: format!("there is no table `{path}`"), help: None })
+    }
 }
 
 /// From a script's text to its findings as a user reads them, or to its scenario.
@@ -132,6 +154,6 @@ pub fn understand(script: &str, units: &Units) -> (bool, String) {
     if !parsed.diagnostics.is_empty() {
         return (false, render(&sources, &parsed.diagnostics, false));
     }
-    let resolved = resolve(&Request { sources: &sources, file: &parsed.file, units, settings: &[] });
+    let resolved = resolve(&Request { sources: &sources, file: &parsed.file, loader: units, settings: &[] });
     (resolved.scenario.is_some(), render(&sources, &resolved.diagnostics, false))
 }

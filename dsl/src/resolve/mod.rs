@@ -46,16 +46,12 @@
 //! | W04 | a window that opens after the end of the run |
 //! | W05 | a unit that needs another program |
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
-
-use fmi2::description::ModelDescription;
-
 use crate::diagnostic::Diagnostic;
+use crate::loader::Loader;
 use crate::parse::with_stack;
 use crate::scenario::{Instance, Scenario};
 use crate::source::Sources;
-use crate::syntax::{Binding, File, StatementKind, Word};
+use crate::syntax::{Binding, File};
 
 mod arithmetic;
 mod assign;
@@ -90,27 +86,15 @@ mod tests;
 
 use scope::{Scope, Shared};
 
-/// Why a unit cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct UnitProblem {
-    /// What is wrong, in one line without a full stop.
-    pub message: String,
-    /// How to mend it.
-    pub help: Option<String>,
-}
-
-/// What is known about the units of a script, by the text of its `fmu` line.
-pub type Units = BTreeMap<String, Result<Arc<ModelDescription>, UnitProblem>>;
-
 /// What there is to resolve.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Request<'a> {
     /// All texts that spans point into.
     pub sources: &'a Sources,
     /// The script.
     pub file: &'a File,
-    /// An entry for each of [`units`].
-    pub units: &'a Units,
+    /// Answers for the units and files that the script names.
+    pub loader: &'a dyn Loader,
     /// Assignments of the command line, in order; a later one counts.
     pub settings: &'a [Binding],
 }
@@ -122,17 +106,6 @@ pub struct Resolved {
     pub scenario: Option<Scenario>,
     /// Errors and warnings in the order of their places.
     pub diagnostics: Vec<Diagnostic>,
-}
-
-/// The names and paths of the units that a script needs, each once, in order.
-#[must_use]
-pub fn units(file: &File) -> Vec<&Word> {
-    let mut seen = BTreeSet::new();
-    let named = file.statements.iter().filter_map(|statement| match &statement.kind {
-        StatementKind::Fmu(instance) => Some(&instance.unit),
-        _ => None,
-    });
-    named.filter(|word| seen.insert(word.text.as_str())).collect()
 }
 
 /// Finds out what a script means, or everything that is wrong with it.

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
+use super::Request;
 use super::findings::Findings;
 use super::frame::{FrameId, Frames, Placed};
 use super::unit::Unit;
-use super::{Request, UnitProblem};
 use crate::diagnostic::Diagnostic;
+use crate::loader::Problem;
 use crate::source::Span;
 use crate::syntax::{self, Arrow, Binding, Expression, Name, Path, Statement, StatementKind, Window, Word};
 
@@ -42,8 +43,8 @@ pub(super) struct Script<'a> {
     pub frames: Frames<'a>,
     /// The names of the claims with their places.
     claim_names: BTreeMap<&'a str, Span>,
-    /// What was found for each unit that is named.
-    units: BTreeMap<&'a str, Result<Rc<Unit>, UnitProblem>>,
+    /// What was found for each unit, by the text that names it.
+    units: BTreeMap<(u32, &'a str), Result<Rc<Unit>, Problem>>,
 }
 
 /// A unit under a name.
@@ -233,14 +234,13 @@ impl<'a> Script<'a> {
         self.units.values().filter_map(|unit| unit.as_deref().ok())
     }
 
-    /// What a unit says about itself, looked up once for each name.
-    fn unit(&mut self, request: &Request<'a>, name: &'a Word) -> Result<Rc<Unit>, UnitProblem> {
-        let found = self.units.entry(&name.text).or_insert_with(|| match request.units.get(&name.text) {
-            Some(Ok(description)) => Ok(Rc::new(Unit::new(description.clone()))),
-            Some(Err(problem)) => Err(problem.clone()),
-            None => panic!("no entry was passed for a unit that `units` names: {}", name.text),
-        });
-        found.clone()
+    /// What a unit says about itself; the loader is asked once for each name of a text.
+    fn unit(&mut self, request: &Request<'a>, name: &'a Word) -> Result<Rc<Unit>, Problem> {
+        let load = || {
+            let description = request.loader.unit(request.sources.of(name.span), &name.text)?;
+            Ok(Rc::new(Unit::new(description)))
+        };
+        self.units.entry((name.span.text, &name.text)).or_insert_with(load).clone()
     }
 
     fn declare(

@@ -4,6 +4,7 @@ mod claims;
 mod connections;
 mod fixtures;
 mod initial;
+mod loader;
 mod meaning;
 mod measures;
 mod names;
