@@ -31,8 +31,8 @@ pub struct Scenario {
     pub connections: Vec<Connection>,
     /// `at` windows in the script's order.
     pub events: Vec<Event>,
-    /// The conditions of `rises(c)`, by slot.
-    pub rises: Vec<BooleanExpression>,
+    /// The conditions whose past counts, by slot.
+    pub conditions: Vec<Condition>,
     /// The claims in the script's order.
     pub claims: Vec<Claim>,
     /// What is recorded, in column order.
@@ -271,7 +271,7 @@ pub enum BooleanExpression {
     Margin(Margin),
     /// Two Integer, Boolean or String operands are equal.
     Same(Operand, Operand),
-    /// Slot of [`Scenario::rises`]: holds now and did not at the sample before.
+    /// Slot of [`Scenario::conditions`]: holds now and did not at the sample before.
     Rises(usize),
     /// `not a`
     Not(Box<BooleanExpression>),
@@ -279,6 +279,15 @@ pub enum BooleanExpression {
     And(Vec<BooleanExpression>),
     /// At least one holds.
     Or(Vec<BooleanExpression>),
+}
+
+/// A condition that a run follows from sample to sample.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Condition {
+    /// What must hold.
+    pub is: BooleanExpression,
+    /// For how many ticks in a row, for `held`; 0 for `rises`.
+    pub held_ticks: u64,
 }
 
 /// An operand of `==` between discrete values.

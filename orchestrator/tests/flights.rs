@@ -60,7 +60,7 @@ fn scenario() -> Scenario {
                 set(ENABLED, Drive::Boolean(BooleanExpression::Constant(true))),
             ],
         }],
-        rises: Vec::new(),
+        conditions: Vec::new(),
         claims: Vec::new(),
         columns: [(0, U), (0, Y), (1, Y), (1, COUNT), (0, ENABLED)].map(column).to_vec(),
     }

@@ -115,8 +115,8 @@ pub fn resolve(request: &Request<'_>) -> Resolved {
         let shared = Shared::new(*request);
         let scenario = scenario(shared.top());
         let failed = shared.failed();
-        let (diagnostics, rises) = shared.finish();
-        let scenario = scenario.filter(|_| !failed).map(|scenario| Scenario { rises, ..scenario });
+        let (diagnostics, conditions) = shared.finish();
+        let scenario = scenario.filter(|_| !failed).map(|scenario| Scenario { conditions, ..scenario });
         assert!(failed || scenario.is_some(), "a script without an error has a meaning");
         Resolved { scenario, diagnostics }
     })
@@ -159,7 +159,7 @@ fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
         initialization,
         connections: connections.into_iter().map(|wired| wired.connection).collect(),
         events,
-        rises: Vec::new(),
+        conditions: Vec::new(),
         claims,
         columns,
     })

@@ -15,7 +15,7 @@ impl Scope<'_, '_> {
     /// The ports that a driver reads.
     pub fn read_by(&self, drive: &Drive) -> BTreeSet<Port> {
         let mut ports = BTreeSet::new();
-        drive.reads(&self.rises.borrow().by_slot, &mut |port| {
+        drive.reads(&self.conditions.borrow().by_slot, &mut |port| {
             ports.insert(port);
         });
         ports
@@ -23,7 +23,7 @@ impl Scope<'_, '_> {
 
     /// Adds the ports that a claim reads.
     pub fn of_formula(&self, formula: &Formula, ports: &mut BTreeSet<Port>) {
-        formula.reads(&self.rises.borrow().by_slot, &mut |port| {
+        formula.reads(&self.conditions.borrow().by_slot, &mut |port| {
             ports.insert(port);
         });
     }

@@ -19,7 +19,7 @@ use super::script::{Declaration, Script};
 use super::unit::Unit;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
-use crate::scenario::{BooleanExpression, Port};
+use crate::scenario::{BooleanExpression, Condition, Port};
 use crate::source::Span;
 use crate::syntax::{Binding, Expression, Word};
 
@@ -37,7 +37,7 @@ pub(super) struct Shared<'a> {
     bindings: RefCell<Meanings<'a>>,
     /// The names whose meanings are being worked out.
     open: RefCell<Vec<(FrameId, &'a Word)>>,
-    pub(super) rises: RefCell<Conditions>,
+    pub(super) conditions: RefCell<Conditions>,
     /// What drives each input, as far as connections have been worked out.
     pub(super) driven_by: RefCell<BTreeMap<Port, Span>>,
     /// The units of measure that loaded units define, each with the first instance whose unit does.
@@ -47,11 +47,11 @@ pub(super) struct Shared<'a> {
 /// The meanings of names, by the frame that declares them; `None` if there is none.
 type Meanings<'a> = BTreeMap<(FrameId, &'a str), Option<Rc<Meaning>>>;
 
-/// The conditions of `rises`, each once.
+/// The conditions that a run follows from sample to sample, each once.
 #[derive(Default)]
 pub(super) struct Conditions {
     /// The conditions by slot.
-    pub by_slot: Vec<BooleanExpression>,
+    pub by_slot: Vec<Condition>,
     /// The slots by the conditions' text, which is equal where they are.
     slots: BTreeMap<String, usize>,
 }
@@ -87,7 +87,7 @@ impl<'a> Shared<'a> {
             findings: RefCell::new(findings),
             bindings: RefCell::default(),
             open: RefCell::default(),
-            rises: RefCell::default(),
+            conditions: RefCell::default(),
             driven_by: RefCell::default(),
         }
     }
@@ -97,10 +97,10 @@ impl<'a> Shared<'a> {
         Scope { shared: self, frame: FrameId::SCRIPT }
     }
 
-    /// Everything that was found, and the conditions of `rises`.
-    pub fn finish(&self) -> (Vec<Diagnostic>, Vec<BooleanExpression>) {
+    /// Everything that was found, and the conditions by slot.
+    pub fn finish(&self) -> (Vec<Diagnostic>, Vec<Condition>) {
         let findings = self.findings.take().finish(self.top());
-        (findings, self.rises.take().by_slot)
+        (findings, self.conditions.take().by_slot)
     }
 
     /// Notes a finding, once for each code and place.
@@ -121,9 +121,9 @@ impl<'a> Shared<'a> {
 
     /// Keeps a condition of `rises` and returns its slot.
     pub fn rises_slot(&self, condition: BooleanExpression) -> usize {
-        let Conditions { by_slot, slots } = &mut *self.rises.borrow_mut();
+        let Conditions { by_slot, slots } = &mut *self.conditions.borrow_mut();
         *slots.entry(format!("{condition:?}")).or_insert_with(|| {
-            by_slot.push(condition);
+            by_slot.push(Condition { is: condition, held_ticks: 0 });
             by_slot.len() - 1
         })
     }

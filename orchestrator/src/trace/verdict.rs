@@ -178,7 +178,7 @@ pub(crate) mod tests {
             initialization: vec![],
             connections: vec![],
             events: vec![],
-            rises: vec![],
+            conditions: vec![],
             claims: vec![],
             columns: vec![],
         }

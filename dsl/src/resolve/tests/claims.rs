@@ -90,7 +90,7 @@ fn a_let_may_hold_a_claim_that_an_assert_uses() {
 fn rises_has_one_slot_for_one_condition() {
     let lines =
         "let up = rises(quad.height > 3 m)\nassert a: eventually up\nassert b: always not rises(quad.height > 3 m)";
-    assert_eq!(scenario(&flight(lines)).rises.len(), 1);
+    assert_eq!(scenario(&flight(lines)).conditions.len(), 1);
 }
 
 #[test]

@@ -81,7 +81,7 @@ impl Plan<'_> {
 
     fn arrow(&self, connection: &Connection) -> Arrow {
         let mut sources = Vec::new();
-        connection.source.reads(&self.scenario.rises, &mut |port| {
+        connection.source.reads(&self.scenario.conditions, &mut |port| {
             if !sources.contains(&port) {
                 sources.push(port);
             }

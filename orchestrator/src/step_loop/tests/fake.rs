@@ -116,7 +116,7 @@ impl Script {
             initialization: Vec::new(),
             connections: Vec::new(),
             events: Vec::new(),
-            rises: Vec::new(),
+            conditions: Vec::new(),
             claims: Vec::new(),
             columns: Vec::new(),
         };

@@ -108,10 +108,11 @@ fn an_input_that_nobody_drives_keeps_its_start_value() {
 fn rises_holds_at_the_sample_at_which_its_condition_begins_to_hold() {
     let above = |limit: f64| {
         let value = RealExpression::Subtract(Box::new(TIME), Box::new(number(limit)));
-        BooleanExpression::Margin(Margin { value, strict: false })
+        let is = BooleanExpression::Margin(Margin { value, strict: false });
+        dsl::scenario::Condition { is, held_ticks: 0 }
     };
     let mut script = Script::new(vec![repeater(1, 0)]);
-    script.scenario.rises = vec![above(0.0), above(3.0)];
+    script.scenario.conditions = vec![above(0.0), above(3.0)];
     let either = BooleanExpression::Or(vec![BooleanExpression::Rises(0), BooleanExpression::Rises(1)]);
     let shown = dsl::scenario::Formula::Condition(BooleanExpression::Not(Box::new(either)));
     script.fail_fast = true;
@@ -119,7 +120,7 @@ fn rises_holds_at_the_sample_at_which_its_condition_begins_to_hold() {
     let flown = script.always(shown.clone()).record(&[(0, U)]).fly();
     assert_eq!(flown.rows.len(), 1, "the first sample counts as a rise");
     let mut script = Script::new(vec![repeater(1, 0)]);
-    script.scenario.rises = vec![above(10.0), above(3.0)];
+    script.scenario.conditions = vec![above(10.0), above(3.0)];
     script.fail_fast = true;
     assert_eq!(script.always(shown).record(&[(0, U)]).fly().rows.len(), 4);
 }
