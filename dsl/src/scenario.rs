@@ -6,10 +6,12 @@
 
 mod curve;
 mod duration;
+mod event;
 mod reads;
 
 pub use curve::Curve;
 pub use duration::duration;
+pub use event::{Action, Event, Fault, FaultKind, Set, Trigger};
 use serde::{Deserialize, Serialize};
 
 /// A script, ready to run.
@@ -29,7 +31,7 @@ pub struct Scenario {
     pub initialization: Vec<InitialStep>,
     /// One for each driven input element, in order of the targets (instance, variable).
     pub connections: Vec<Connection>,
-    /// `at` windows in the script's order.
+    /// The windows in the script's order.
     pub events: Vec<Event>,
     /// The conditions whose past counts, by slot.
     pub conditions: Vec<Condition>,
@@ -306,26 +308,6 @@ pub struct Margin {
     pub value: RealExpression,
     /// Whether zero fails.
     pub strict: bool,
-}
-
-/// An `at` window; it closes by itself if `until` is there.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Event {
-    /// The tick at which it opens.
-    pub from: u64,
-    /// The tick at which it closes and undoes itself.
-    pub until: Option<u64>,
-    /// What it sets while open, one for each element.
-    pub sets: Vec<Set>,
-}
-
-/// One element of a `set`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Set {
-    /// An input or a tunable parameter.
-    pub target: Port,
-    /// The value, tracked while the window is open.
-    pub value: Drive,
 }
 
 /// An `assert`.

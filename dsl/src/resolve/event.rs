@@ -52,7 +52,7 @@ impl Scope<'_, '_> {
                 }
             }
             if let Some((from, until)) = times {
-                events.push(Event { from, until, sets });
+                events.push(Event::at(from, until.map(|until| until - from), sets));
             }
         }
         self.check_overlap(&touches);

@@ -250,7 +250,7 @@ impl Ports {
 /// Inputs and tunable parameters that the script ever drives.
 fn driven(scenario: &Scenario) -> BTreeSet<Port> {
     let connected = scenario.connections.iter().map(|connection| connection.target);
-    let set = scenario.events.iter().flat_map(|event| event.sets.iter().map(|set| set.target));
+    let set = scenario.events.iter().flat_map(|event| event.sets().map(|set| set.target));
     connected.chain(set).collect()
 }
 
@@ -260,7 +260,7 @@ fn counting(scenario: &Scenario) -> BTreeSet<Port> {
     let (conditions, told) = (&scenario.conditions, &mut |port| {
         ports.insert(port);
     });
-    let sets = scenario.events.iter().flat_map(|event| &event.sets).map(|set| &set.value);
+    let sets = scenario.events.iter().flat_map(dsl::scenario::Event::sets).map(|set| &set.value);
     let drives = scenario.connections.iter().map(|connection| &connection.source).chain(sets);
     drives.for_each(|drive| drive.reads(conditions, told));
     conditions.iter().for_each(|condition| condition.is.reads(conditions, told));

@@ -1,7 +1,7 @@
 //! What values, conversions, connections and windows mean.
 
 use super::fixtures::{flight, scenario, scenario_with};
-use crate::scenario::{BooleanExpression, Drive, Port, RealExpression, Value};
+use crate::scenario::{BooleanExpression, Drive, Port, RealExpression, Trigger, Value};
 
 /// The driver of one connection, written on a line of its own.
 fn drive(line: &str) -> Drive {
@@ -143,9 +143,11 @@ fn windows_open_and_close_on_ticks() {
     let lines =
         "at 2 s lasting 500 ms { set quad.wind.x = 3 m/s, set quad.drag = 20 % }\nat 3 s { set quad.wind.x = 1 m/s }";
     let events = scenario(&flight(lines)).events;
-    assert_eq!((events[0].from, events[0].until, events[1].from, events[1].until), (200, Some(250), 300, None));
-    assert_eq!(events[0].sets[0].value, Drive::Real(RealExpression::Constant(3.0)));
-    assert_eq!(events[0].sets[1].target, Port { instance: 1, variable: 10 });
+    let times: Vec<_> = events.iter().map(|event| (event.trigger, event.lasting)).collect();
+    assert_eq!(times, [(Trigger::At(200), Some(50)), (Trigger::At(300), None)]);
+    let sets: Vec<_> = events[0].sets().collect();
+    assert_eq!(sets[0].value, Drive::Real(RealExpression::Constant(3.0)));
+    assert_eq!(sets[1].target, Port { instance: 1, variable: 10 });
 }
 
 #[test]

@@ -173,6 +173,6 @@ fn the_number_of_workers_changes_no_row() {
 fn a_set_takes_the_value_of_another_port_of_its_type() {
     let mut script = Script::new(vec![counter(1, 0), repeater(1, 0)]).record(&[(1, U)]);
     let set = dsl::scenario::Set { target: port(1, U), value: Drive::Copy(port(0, Y)) };
-    script.scenario.events.push(dsl::scenario::Event { from: 2, until: None, sets: vec![set] });
+    script.scenario.events.push(dsl::scenario::Event::at(2, None, vec![set]));
     assert_eq!(script.fly().column(0), [0.5, 0.5, 2.0, 3.0, 4.0, 5.0, 5.0]);
 }
