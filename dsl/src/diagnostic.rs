@@ -11,11 +11,11 @@ use crate::source::{Sources, Span};
 pub enum Severity {
     /// The script cannot run.
     Error,
-    /// The script runs; something deserves a look.
+    /// The script runs; something may be wrong.
     Warning,
 }
 
-/// Words under a part of the script.
+/// A text under a part of the script.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     /// The part.
@@ -35,7 +35,7 @@ pub struct Diagnostic {
     pub message: String,
     /// Where; the first is the primary place.
     pub labels: Vec<Label>,
-    /// How to mend it.
+    /// How to fix it.
     pub help: Option<String>,
 }
 
@@ -59,7 +59,7 @@ impl Diagnostic {
         self.severity == Severity::Error
     }
 
-    /// Says something under the primary place.
+    /// Sets the label of the primary place.
     #[must_use]
     pub fn saying(mut self, text: impl Into<String>) -> Self {
         if let Some(first) = self.labels.first_mut() {
@@ -68,7 +68,7 @@ impl Diagnostic {
         self
     }
 
-    /// Adds words under another place.
+    /// Adds a label at another place.
     #[must_use]
     pub fn label(mut self, span: Span, text: impl Into<String>) -> Self {
         self.labels.push(Label { span, text: text.into() });
@@ -83,7 +83,7 @@ impl Diagnostic {
     }
 }
 
-/// How many findings are shown: nobody reads more, and they mostly have one cause.
+/// How many findings are shown: more of them mostly have the same cause.
 pub(crate) const SHOWN: usize = 100;
 
 /// The diagnostics as a user reads them, in the order of their places, each followed by an empty line. Of more than 100 the

@@ -10,7 +10,7 @@ pub fn nearest<'n>(written: &str, candidates: impl IntoIterator<Item = &'n str>)
     (nearest.0 <= most_edits).then_some(nearest.1)
 }
 
-/// Insertions, deletions, replacements and exchanges of neighbours, each one edit; a change of case is none.
+/// Insertions, deletions, replacements and exchanges of neighbours, each one edit; a change of case is not an edit.
 fn distance(left: &str, right: &str) -> usize {
     strsim::osa_distance(&left.to_ascii_lowercase(), &right.to_ascii_lowercase())
 }

@@ -1,8 +1,8 @@
-//! What is meant: a scenario with every name resolved, every unit converted and every element spelt out. Next on the
+//! The meaning of a script: a scenario with every name resolved, every unit converted and every element spelt out. Next on the
 //! walk: `orchestrator/src/wiring.rs`.
 //!
 //! This is the only type of the language that a run sees. It is flat on purpose: groups, vectors and conversions are
-//! gone, each connection carries one scalar, times are ticks. Reals inside expressions are SI.
+//! gone, each connection has one scalar target, times are ticks. Reals inside expressions are SI.
 
 mod curve;
 mod duration;
@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 /// A script, ready to run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scenario {
-    /// The words of the `scenario` line.
+    /// The text of the `scenario` line.
     pub title: String,
     /// The communication step in nanoseconds.
     pub step_ns: u64,
@@ -147,7 +147,7 @@ pub enum Drive {
     Curve(Curve),
 }
 
-/// A real value. Signals are read raw, in their variable's own unit; [`RealExpression::Affine`] brings them to SI.
+/// A real value. Signals are read raw, in their variable's own unit; [`RealExpression::Affine`] converts them to SI.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum RealExpression {
     /// A number.
@@ -321,7 +321,7 @@ pub struct Claim {
     pub line: usize,
     /// What must hold at tick 0.
     pub formula: Formula,
-    /// The unit that margins are told in; `None` where all margins are infinite.
+    /// The unit in which margins are shown; `None` where all margins are infinite.
     pub unit: Option<MarginUnit>,
     /// For a claim about one comparison with a constant: its limit.
     pub limit: Option<Limit>,

@@ -96,7 +96,7 @@ impl Sources {
         self.source(span.text)
     }
 
-    /// The words that a span covers.
+    /// The text that a span covers.
     #[must_use]
     pub fn slice(&self, span: Span) -> &str {
         self.of(span).text.get(span.start as usize..span.end as usize).unwrap_or_default()

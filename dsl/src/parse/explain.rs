@@ -24,7 +24,7 @@ pub(super) fn statements(place: &Place<'_>, error: &Error<Rule>) -> Explained {
     let failure = place.failure(error);
     let statement = failure.outermost_statement();
     if let ErrorVariant::CustomError { .. } = error.variant {
-        // The only error that pest words itself: its stack ran out.
+        // The only error with a message of pest's own: its stack limit is reached.
         let diagnostic = scan::nested_too_deeply(failure.span());
         return Explained { diagnostic, statement, resume: place.blanked.len() };
     }
@@ -55,7 +55,7 @@ fn unexpected(failure: &Failure<'_>) -> Diagnostic {
     Diagnostic::error("E00", failure.span(), expected_and_found(failure)).help(help)
 }
 
-/// The word of the language that was probably meant by the word found, or by the one before it.
+/// The keyword that the word found, or the one before it, is probably a misspelling of.
 fn meant(failure: &Failure<'_>) -> Option<&'static str> {
     let expected = words_behind_values().filter(|word| failure.expects(word));
     let (found, previous) = (failure.found(), failure.previous());
@@ -71,7 +71,7 @@ fn expected_and_found(failure: &Failure<'_>) -> String {
     format!("expected {}{after}, found {}", expected(failure), found(failure))
 }
 
-/// What was found, as words.
+/// What was found, as text for a message.
 pub(super) fn found(failure: &Failure<'_>) -> String {
     if let Some(c) = failure.found().chars().next().filter(|c| c.is_whitespace() || c.is_control()) {
         if matches!(c, ' ' | '\t') {
@@ -128,7 +128,7 @@ fn words_behind_values() -> impl Iterator<Item = &'static str> {
     words(&[Use::Action, Use::Clause, Use::Conversion, Use::Joint]).chain(["for"])
 }
 
-/// The brackets, signs and words of the statement that could have come; operators go without saying.
+/// The brackets, signs and words of the statement that could have come; operators are not listed.
 fn structure(failure: &Failure<'_>) -> Vec<&'static str> {
     const SIGNS: [&str; 11] = ["->", "=>", "=", ":", "~", "{", "}", ")", "]", ",", "\""];
     // `in` without `as` is that of a range.

@@ -118,7 +118,7 @@ type Matched<'i> = Result<Pair<'i, Rule>, Box<pest::error::Error<Rule>>>;
 fn match_rule(rule: Rule, text: &str) -> Matched<'_> {
     let matched = Grammar::parse(rule, text).or_else(|error| match error.parse_attempts() {
         Some(_) => Err(error),
-        // Without it pest returns which rule failed, but not how far it came; a text without errors is read faster.
+        // Without it pest reports which rule failed, but not how far the match came; texts without errors parse faster so.
         None => {
             pest::set_error_detail(true);
             Grammar::parse(rule, text)

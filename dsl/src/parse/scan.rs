@@ -1,7 +1,7 @@
 //! What happens to a text before the grammar sees it: comments, and line breaks inside brackets, become blanks.
 //!
-//! Every byte keeps its place. On the way come the rules that the grammar cannot say: how deep things may nest, and
-//! that a sign stands at its number.
+//! Every byte keeps its place. The scan also checks two rules that the grammar cannot express: the limit of
+//! nesting, and that a sign stands at its number.
 
 use super::lines;
 use super::wording::{Use, usage};
@@ -78,7 +78,7 @@ struct Scanner<'a> {
     levels: Vec<Level>,
     /// Whether the last token can be the left side of an operator.
     after_operand: bool,
-    /// Whether a line break after an operand came since the last token: the next one shows whether it meant anything.
+    /// Whether a line break after an operand came since the last token: the next token decides whether it ends an element.
     line_ended: bool,
     diagnostics: Vec<Diagnostic>,
 }
@@ -253,7 +253,7 @@ impl<'a> Scanner<'a> {
         self.symbol(length, operand);
     }
 
-    /// Reports the nesting and blanks what is left of the text: nothing in it could be told reliably.
+    /// Reports the nesting and blanks what is left of the text: errors in it would not be reliable.
     fn cut_off(&mut self) {
         self.diagnostics.push(nested_too_deeply(self.span(self.at - 1, self.at)));
         let start = lines::statement_start(&self.out, 0, self.out.len());

@@ -18,16 +18,16 @@ pub(super) struct Walk<'a> {
     text: u32,
     /// The byte of `source` at which the matched text begins.
     from: usize,
-    /// What the grammar cannot refuse.
+    /// Errors that the grammar cannot express.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// The pairs inside a pair, without the words that only structure it.
+/// The pairs inside a pair, without the keywords that only give it structure.
 pub(super) fn parts(pair: Pair<'_, Rule>) -> impl Iterator<Item = Pair<'_, Rule>> {
     pair.into_inner().filter(|part| !is_structure(part.as_rule()))
 }
 
-/// Whether a rule is a word that only shows where a part begins; which word of the others it is counts.
+/// Whether a rule is a keyword that only shows where a part begins; of other keywords the tree needs to know which it is.
 fn is_structure(rule: Rule) -> bool {
     let usage = KEYWORDS.iter().find(|keyword| keyword.rule == rule).map(|keyword| keyword.usage);
     match usage {
@@ -39,12 +39,12 @@ fn is_structure(rule: Rule) -> bool {
     }
 }
 
-/// The one pair that must come.
+/// The only pair, which the grammar guarantees.
 pub(super) fn only(mut pairs: Pairs<'_, Rule>) -> Pair<'_, Rule> {
     next(&mut pairs)
 }
 
-/// The next pair, which the grammar promises.
+/// The next pair, which the grammar guarantees.
 pub(super) fn next<'i>(pairs: &mut impl Iterator<Item = Pair<'i, Rule>>) -> Pair<'i, Rule> {
     match pairs.next() {
         Some(pair) => pair,

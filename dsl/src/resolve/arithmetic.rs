@@ -122,7 +122,7 @@ impl Scope<'_, '_> {
         }
     }
 
-    /// What both measure; reports a difference as `cannot {verb} a length and a time`, a quantity that meets a variable
+    /// What both measure; reports a difference as `cannot {verb} a length and a time`, a quantity beside a variable
     /// without unit as a warning.
     pub fn unified(&self, pair: Pair<'_>, code: &'static str, verb: &str) -> Option<Measure> {
         let ((left, left_span), (right, right_span)) = (pair.left, pair.right);
@@ -147,7 +147,7 @@ impl Scope<'_, '_> {
         self.refuse(self.help_unit(pair, error))
     }
 
-    /// A plain number beside a quantity wants its unit.
+    /// Help for a plain number beside a quantity: its unit is missing.
     fn help_unit(&self, pair: Pair<'_>, error: Diagnostic) -> Diagnostic {
         let wants = |(value, span): (&Real, Span), (other, _): (&Real, Span)| {
             let unit = other.unit.as_ref().map(|unit| unit.unit.name.clone()).filter(|name| !name.is_empty())?;
@@ -177,7 +177,7 @@ impl Scope<'_, '_> {
     }
 }
 
-/// The unit to tell a sum, difference or extreme in: what the script wrote counts before what a unit declares.
+/// The unit in which a sum, difference or extreme is shown: one that the script wrote precedes one that a unit declares.
 pub(super) fn preferred(left: &Real, right: &Real) -> Option<UnitName> {
     let units = [&right.unit, &left.unit].into_iter().flatten().filter(|unit| !unit.unit.name.is_empty());
     let units: Vec<_> = units.collect();

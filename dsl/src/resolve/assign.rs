@@ -1,4 +1,4 @@
-//! Pairs what is given with what takes it: groups by the names of their members, lists and picked members by order.
+//! Pairs values with the ports that take them: groups by the names of their members, lists and picked members by order.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -107,7 +107,7 @@ impl Scope<'_, '_> {
     }
 
     /// The value for each port of a target, in the ports' own types and units. Shapes are checked first, and the first
-    /// member that does not fit speaks for all.
+    /// member that does not fit is reported for all of them.
     pub fn assigned_ports(&self, value: &Rc<Meaning>, target: &Signal, at: Meeting<'_>) -> Option<Vec<(Port, Fitted)>> {
         let mut pairs = Vec::new();
         self.pair(value, target, at, &mut pairs)?;

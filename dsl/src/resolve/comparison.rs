@@ -71,7 +71,7 @@ impl Scope<'_, '_> {
     fn bound(&self, sides: &Sides<'_>, left: &Real, right: &Real) -> Option<Condition> {
         let pair = Pair { left: (left, sides.left.span), right: (right, sides.right.span) };
         let measure = self.unified(pair, "E02", "compare")?;
-        let unit = told_in(measure, left, right);
+        let unit = shown_in(measure, left, right);
         let difference =
             |from: &Real, to: &Real| real::combine(Operator::Subtract, from.expression.clone(), to.expression.clone());
         let operator = sides.link.operator;
@@ -237,7 +237,7 @@ fn agree(left: BooleanExpression, right: BooleanExpression) -> BooleanExpression
 }
 
 /// The unit of the literal, else that of the signal, else SI.
-fn told_in(measure: Measure, left: &Real, right: &Real) -> MarginUnit {
+fn shown_in(measure: Measure, left: &Real, right: &Real) -> MarginUnit {
     let named = |value: &Real| value.unit.clone().filter(|unit| !unit.unit.name.is_empty());
     let is_literal = |value: &Real| value.is_quantity();
     let of_literal = [right, left].into_iter().filter(|value| is_literal(value)).find_map(named);

@@ -21,7 +21,7 @@ pub(super) enum Fitted {
     File(String),
 }
 
-/// Where a value meets its target.
+/// The places of an assignment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meeting<'p> {
     /// The value as written.

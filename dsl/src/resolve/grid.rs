@@ -19,7 +19,7 @@ pub(super) struct Grid {
 /// How far the grid has been worked out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Known {
-    /// Nobody has asked.
+    /// Not yet asked for.
     NotYet,
     /// Asked for while `step` itself is worked out.
     InWork,

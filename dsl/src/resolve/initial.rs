@@ -30,7 +30,7 @@ struct Together {
     waiting: usize,
 }
 
-/// Whether a group of tasks sets, and the instance that it speaks to.
+/// Whether the tasks of a group set, and their instance.
 type Group = (bool, usize);
 
 /// What is left to do.

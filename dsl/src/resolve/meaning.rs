@@ -8,7 +8,7 @@ use crate::scenario::{BooleanExpression, Limit, Margin, MarginUnit, Port, RealEx
 use crate::source::Span;
 use crate::syntax::TemporalWord;
 
-/// The meaning of an expression. Parts without meaning were reported and are `None` where a meaning is expected.
+/// The meaning of an expression. A part without meaning was reported and is `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Meaning {
     /// A real number, in SI.
@@ -117,14 +117,14 @@ pub(super) enum Condition {
     Temporal(Temporal),
 }
 
-/// A comparison of reals with what a report tells about it.
+/// A comparison of reals with what a report shows of it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Bound {
     /// The distance from the limit.
     pub margin: Margin,
     /// What the margin measures.
     pub measure: Measure,
-    /// The unit to tell it in.
+    /// The unit in which the margin is shown.
     pub unit: MarginUnit,
     /// The limit, if one side is constant.
     pub limit: Option<Limit>,
@@ -137,13 +137,13 @@ pub(super) struct Bound {
 /// A temporal word with its window.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Temporal {
-    /// Which word.
+    /// The keyword.
     pub word: TemporalWord,
     /// Where it stands.
     pub span: Span,
     /// Its window.
     pub window: TickWindow,
-    /// What it speaks about.
+    /// What must hold in the window.
     pub body: Box<Condition>,
 }
 

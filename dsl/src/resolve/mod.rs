@@ -1,8 +1,8 @@
-//! From what was written to what is meant: names, types, units of measure, times and claims, checked against the units'
+//! Resolves a syntax tree to a scenario: names, types, units of measure, times and claims, checked against the units'
 //! descriptions. Next on the walk: `scenario.rs`.
 //!
-//! Every error of a script is found in one pass and none is a consequence of another: a part that has no meaning is
-//! `None` from there on, and whatever depends on it stays silent. The passes, in order: `script` sorts the statements,
+//! One pass finds all errors of a script, and none is a consequence of another: a part without meaning is `None`, and what
+//! depends on it reports nothing. The passes, in order: `script` sorts the statements,
 //! `parameter` fixes the parameters, `grid` the times, then come `preset`, `wire`, `event` and `claim` over
 //! `expression`, and at last `wave`, `initial` and `column` over the connections.
 //!
@@ -18,7 +18,7 @@
 //! | E08 | a time off the grid of `step` |
 //! | E09 | a claim that looks past the end of the run |
 //! | E10 | margins of different dimensions in one claim |
-//! | E11 | what was written as a unit of measure is none, or is a name of the script too |
+//! | E11 | not a unit of measure, or a name of the script too |
 //! | E12 | a temporal word over `and` or `or` without parentheses |
 //! | E20 | a part of the language that this version does not know yet |
 //! | E21 | types do not agree |
@@ -40,7 +40,7 @@
 //! | E37 | a value of `--set` of another kind than the parameter's |
 //! | E38 | a number out of range |
 //! | E39 | a value that is too large or too deeply nested to be meant |
-//! | W01 | a quantity meets a variable that declares no unit |
+//! | W01 | a quantity is passed to a variable that declares no unit |
 //! | W02 | an input without driver and start value |
 //! | W03 | two instances of one unit draw the same random numbers |
 //! | W04 | a window that opens after the end of the run |
@@ -99,7 +99,7 @@ pub struct Request<'a> {
     pub settings: &'a [Binding],
 }
 
-/// What came of it.
+/// The result.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Resolved {
     /// The scenario; `None` if and only if an error is among the diagnostics.
@@ -108,7 +108,7 @@ pub struct Resolved {
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Finds out what a script means, or everything that is wrong with it.
+/// Resolves a script to a scenario, or returns everything that is wrong with it.
 #[must_use]
 pub fn resolve(request: &Request<'_>) -> Resolved {
     with_stack(|| {

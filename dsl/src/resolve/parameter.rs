@@ -88,7 +88,7 @@ impl<'a> Scope<'_, 'a> {
         if alike(value, declared) {
             return;
         }
-        let (name, told) = (&setting.name.text, |meaning: &Meaning| match meaning {
+        let (name, shown) = (&setting.name.text, |meaning: &Meaning| match meaning {
             Meaning::Real(value) => match value.measure {
                 Measure::Known(dimension) => quantity(dimension),
                 Measure::Undeclared => meaning.kind().to_owned(),
@@ -96,8 +96,8 @@ impl<'a> Scope<'_, 'a> {
             Meaning::List(elements) => format!("a list of {}", elements.len()),
             other => other.kind().to_owned(),
         });
-        let message = format!("`{name}` cannot be set to this: its own value is {}", told(declared));
-        let error = Diagnostic::error("E37", setting.value.span, message).saying(told(value));
+        let message = format!("`{name}` cannot be set to this: its own value is {}", shown(declared));
+        let error = Diagnostic::error("E37", setting.value.span, message).saying(shown(value));
         let example = typed_again(declared).unwrap_or_default();
         self.report(error.help(format!("write a value of the same kind, for example `{name} = {example}`")));
     }

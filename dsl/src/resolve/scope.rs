@@ -207,7 +207,7 @@ impl<'s, 'a> Scope<'s, 'a> {
         format!("{}.{}", self.script.instances[port.instance].name.text, self.variable(port).name)
     }
 
-    /// The words of the script at a place, on one line.
+    /// The text of the script at a place, on one line.
     pub fn text(&self, span: Span) -> String {
         one_line(self.request.sources.slice(span))
     }
@@ -242,7 +242,7 @@ fn circle_of_names(words: &[(FrameId, &Word)]) -> Diagnostic {
     words.iter().skip(1).fold(error, |error, (_, word)| error.label(word.span, ""))
 }
 
-/// How many names may stand behind each other; far more than anyone writes, far less than the stack carries.
+/// How many names may stand behind each other; far more than scripts need, far less than the stack allows.
 const NAMES_DEEP: usize = 64;
 
 /// How many parts the value of a name may have; a few names that double each other would fill the memory otherwise.
@@ -272,6 +272,6 @@ fn one_line(text: &str) -> String {
 }
 
 #[test]
-fn a_claim_over_several_lines_is_told_on_one() {
+fn a_claim_over_several_lines_is_shown_on_one() {
     assert_eq!(one_line("always min(\n  a,   # the first\n  b['#'],\n) > 3 m"), "always min( a, b['#'], ) > 3 m");
 }

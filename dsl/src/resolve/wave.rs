@@ -6,7 +6,7 @@ use super::scope::Scope;
 use super::wire::Wired;
 use crate::diagnostic::Diagnostic;
 
-/// That one unit waits for another, and the wire that says so.
+/// One unit waits for another because of a connection statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Edge {
     from: usize,

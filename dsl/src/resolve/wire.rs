@@ -177,7 +177,7 @@ impl Scope<'_, '_> {
     }
 }
 
-/// What rises is known from sample to sample, and `=>` brings what no sample has yet.
+/// `rises` compares two samples, and `=>` passes a value that is in no sample yet.
 fn rises_within_a_step(source: Span) -> Diagnostic {
     not_yet(source, "`rises` before `=>`").help("write `->`: what rises is seen at the next sample")
 }

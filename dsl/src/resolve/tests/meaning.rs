@@ -116,9 +116,9 @@ fn parameters_can_be_typed_again() {
     let lines =
         "param gust = 4 m/s\nparam to = [1, 2] ft\nparam twice = 2 * gust\nparam name = \"a\"\nparam on_air = true";
     let parameters = scenario_with(&flight(lines), &["gust = 30 kn", "to = [1 m, 20 cm]"]).parameters;
-    let told: Vec<_> = parameters.iter().map(|p| (p.name.as_str(), p.value.as_str(), p.set)).collect();
+    let shown_parts: Vec<_> = parameters.iter().map(|p| (p.name.as_str(), p.value.as_str(), p.set)).collect();
     assert_eq!(
-        told,
+        shown_parts,
         [
             ("gust", "30 kn", true),
             ("to", "[1 m, 20 cm]", true),
@@ -167,8 +167,8 @@ wind.velocity => quad.wind";
     assert_eq!(scenario.diagnostics[0].code, "E06");
     let lines = lines.replace("slow.height =>", "slow.height ->");
     let instances = super::fixtures::scenario(&flight(&lines)).instances;
-    let told: Vec<_> = instances.iter().map(|i| (i.name.as_str(), i.every, i.wave)).collect();
-    assert_eq!(told, [("wind", 1, 0), ("quad", 1, 1), ("ctrl", 1, 0), ("slow", 5, 1)]);
+    let shown_parts: Vec<_> = instances.iter().map(|i| (i.name.as_str(), i.every, i.wave)).collect();
+    assert_eq!(shown_parts, [("wind", 1, 0), ("quad", 1, 1), ("ctrl", 1, 0), ("slow", 5, 1)]);
 }
 
 #[test]
