@@ -11,11 +11,11 @@ use crate::source::{Sources, Span};
 pub enum Severity {
     /// The script cannot run.
     Error,
-    /// The script runs; something deserves a look.
+    /// The script runs; something may be wrong.
     Warning,
 }
 
-/// Words under a part of the script.
+/// A text under a part of the script.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     /// The part.
@@ -35,7 +35,7 @@ pub struct Diagnostic {
     pub message: String,
     /// Where; the first is the primary place.
     pub labels: Vec<Label>,
-    /// How to mend it.
+    /// How to fix it.
     pub help: Option<String>,
 }
 
@@ -53,7 +53,13 @@ impl Diagnostic {
         Self { severity: Severity::Warning, ..Self::error(code, span, message) }
     }
 
-    /// Says something under the primary place.
+    /// Whether the script cannot run.
+    #[must_use]
+    pub fn is_error(&self) -> bool {
+        self.severity == Severity::Error
+    }
+
+    /// Sets the label of the primary place.
     #[must_use]
     pub fn saying(mut self, text: impl Into<String>) -> Self {
         if let Some(first) = self.labels.first_mut() {
@@ -62,7 +68,7 @@ impl Diagnostic {
         self
     }
 
-    /// Adds words under another place.
+    /// Adds a label at another place.
     #[must_use]
     pub fn label(mut self, span: Span, text: impl Into<String>) -> Self {
         self.labels.push(Label { span, text: text.into() });
@@ -77,13 +83,54 @@ impl Diagnostic {
     }
 }
 
-/// The diagnostics as a user reads them, in the order of their places, each followed by an empty line.
+/// How many findings are shown: more of them mostly have the same cause.
+pub(crate) const SHOWN: usize = 100;
+
+/// The diagnostics as a user reads them, in the order of their places, each followed by an empty line. Of more than 100 the
+/// others are counted in a last line; errors are shown before warnings take their place.
 #[must_use]
 pub fn render(sources: &Sources, diagnostics: &[Diagnostic], colour: bool) -> String {
     let mut in_order: Vec<_> = diagnostics.iter().collect();
     in_order.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span));
     let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
-    in_order.into_iter().map(|diagnostic| renderer.render(&[picture(sources, diagnostic)]) + "\n\n").collect()
+    let errors = diagnostics.iter().filter(|diagnostic| diagnostic.is_error()).count();
+    let warnings = diagnostics.len() - errors;
+    let shown_errors = errors.min(SHOWN);
+    let shown_warnings = warnings.min(SHOWN - shown_errors);
+    let (mut errors_left, mut warnings_left) = (shown_errors, shown_warnings);
+    in_order.retain(|diagnostic| {
+        let left = if diagnostic.is_error() { &mut errors_left } else { &mut warnings_left };
+        let is_shown = *left > 0;
+        *left = left.saturating_sub(1);
+        is_shown
+    });
+    let shown = in_order.into_iter().map(|diagnostic| renderer.render(&[picture(sources, diagnostic)]) + "\n\n");
+    shown.chain(not_shown(errors - shown_errors, warnings - shown_warnings)).collect()
+}
+
+/// `... and 9,900 more errors`
+fn not_shown(errors: usize, warnings: usize) -> Option<String> {
+    let counted =
+        |count: usize, what: &str| format!("{} more {what}{}", grouped(count), if count == 1 { "" } else { "s" });
+    match (errors, warnings) {
+        (0, 0) => None,
+        (errors, 0) => Some(format!("... and {}\n\n", counted(errors, "error"))),
+        (0, warnings) => Some(format!("... and {}\n\n", counted(warnings, "warning"))),
+        _ => Some(format!("... and {} and {}\n\n", counted(errors, "error"), counted(warnings, "warning"))),
+    }
+}
+
+/// A count with a comma before each three digits.
+fn grouped(count: usize) -> String {
+    let digits = count.to_string();
+    let mut grouped = String::new();
+    for (at, digit) in digits.chars().enumerate() {
+        if at > 0 && (digits.len() - at).is_multiple_of(3) {
+            grouped.push(',');
+        }
+        grouped.push(digit);
+    }
+    grouped
 }
 
 /// Message, one excerpt for each text that the labels lie in, and help.
@@ -109,12 +156,12 @@ fn picture<'a>(sources: &'a Sources, diagnostic: &'a Diagnostic) -> Group<'a> {
 /// The lines of one text that labels lie in.
 fn excerpt<'a>(sources: &'a Sources, labels: &'a [Label], text: u32) -> Snippet<'a, Annotation<'a>> {
     let marked = || labels.iter().enumerate().filter(|(_, label)| label.span.text == text);
-    let source = sources.text(text);
+    let (lines, source) = (sources.source(text), sources.text(text));
     let ranges = marked().map(|(_, label)| bytes(source, label.span));
     let covered = ranges.reduce(|all, one| all.start.min(one.start)..all.end.max(one.end)).unwrap_or_default();
-    let start = source[..covered.start].rfind('\n').map_or(0, |line_break| line_break + 1);
+    let start = lines.line_start(covered.start);
     let end = source[covered.end..].find('\n').map_or(source.len(), |length| covered.end + length);
-    let first_line = source[..start].matches('\n').count() + 1;
+    let first_line = lines.line(covered.start);
     let annotations = marked().map(|(index, label)| {
         let kind = if index == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
         let range = bytes(source, label.span);
@@ -173,6 +220,30 @@ mod tests {
         3 |     x -> y
           |     ^
         ");
+    }
+
+    #[test]
+    fn of_more_than_a_hundred_findings_the_others_are_counted() {
+        let mut sources = Sources::default();
+        let text = sources.add("a.scn", "x\n".repeat(3_000));
+        let finding = |line: u32, is_error: bool| {
+            let place = at(text, 2 * line, 2 * line + 1);
+            if is_error { Diagnostic::error("E01", place, "unknown") } else { Diagnostic::warning("W01", place, "odd") }
+        };
+        let rendered = |findings: &[Diagnostic]| render(&sources, findings, false);
+        let shown = |text: &str| (text.matches("error[").count(), text.matches("warning[").count());
+        let mut errors: Vec<_> = (200..300).map(|line| finding(line, true)).collect();
+        assert_eq!(shown(&rendered(&errors)), (100, 0));
+        assert!(!rendered(&errors).contains("more"));
+        errors.push(finding(300, true));
+        assert!(rendered(&errors).ends_with("\n\n... and 1 more error\n\n"));
+        let mut all: Vec<_> = (0..200).map(|line| finding(line, false)).collect();
+        assert!(rendered(&all).ends_with("\n\n... and 100 more warnings\n\n"));
+        all.extend(errors.drain(..40));
+        assert_eq!(shown(&rendered(&all)), (40, 60));
+        all.extend((500..2_960).map(|line| finding(line, true)));
+        assert_eq!(shown(&rendered(&all)), (100, 0));
+        assert!(rendered(&all).ends_with("\n\n... and 2,400 more errors and 200 more warnings\n\n"));
     }
 
     #[test]

@@ -1,14 +1,15 @@
 //! The scenario language: text in, a [`Scenario`](scenario::Scenario) or diagnostics out.
 //!
 //! ```text
-//! text --parse--> syntax tree --resolve (with the units' descriptions)--> scenario
+//! text --parse--> syntax tree --resolve (with what the loader answers)--> scenario
 //! ```
 //!
-//! Nothing here opens a file, reads a clock or talks to a network: whoever calls hands in the text, the units' model
-//! descriptions and what the command line sets. Next on the walk of a number: `scenario.pest`, the grammar.
+//! Nothing here opens a file, reads a clock or uses a network: the caller passes the text, what the command line sets and a
+//! [`Loader`](loader::Loader) that answers for files and units. Next on the walk of a number: `scenario.pest`, the grammar.
 #![forbid(unsafe_code)]
 
 pub mod diagnostic;
+pub mod loader;
 pub mod nearest;
 pub mod parse;
 pub mod resolve;

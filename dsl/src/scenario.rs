@@ -1,19 +1,23 @@
-//! What is meant: a scenario with every name resolved, every unit converted and every element spelt out. Next on the
+//! The meaning of a script: a scenario with every name resolved, every unit converted and every element spelt out. Next on the
 //! walk: `orchestrator/src/wiring.rs`.
 //!
 //! This is the only type of the language that a run sees. It is flat on purpose: groups, vectors and conversions are
-//! gone, each connection carries one scalar, times are ticks. Reals inside expressions are SI.
+//! gone, each connection has one scalar target, times are ticks. Reals inside expressions are SI.
 
 mod curve;
+mod duration;
+mod event;
 mod reads;
 
 pub use curve::Curve;
+pub use duration::duration;
+pub use event::{Action, Event, Fault, FaultKind, Set, Trigger};
 use serde::{Deserialize, Serialize};
 
 /// A script, ready to run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scenario {
-    /// The words of the `scenario` line.
+    /// The text of the `scenario` line.
     pub title: String,
     /// The communication step in nanoseconds.
     pub step_ns: u64,
@@ -27,10 +31,10 @@ pub struct Scenario {
     pub initialization: Vec<InitialStep>,
     /// One for each driven input element, in order of the targets (instance, variable).
     pub connections: Vec<Connection>,
-    /// `at` windows in the script's order.
+    /// The windows in the script's order.
     pub events: Vec<Event>,
-    /// The conditions of `rises(c)`, by slot.
-    pub rises: Vec<BooleanExpression>,
+    /// The conditions whose past counts, by slot.
+    pub conditions: Vec<Condition>,
     /// The claims in the script's order.
     pub claims: Vec<Claim>,
     /// What is recorded, in column order.
@@ -143,7 +147,7 @@ pub enum Drive {
     Curve(Curve),
 }
 
-/// A real value. Signals are read raw, in their variable's own unit; [`RealExpression::Affine`] brings them to SI.
+/// A real value. Signals are read raw, in their variable's own unit; [`RealExpression::Affine`] converts them to SI.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum RealExpression {
     /// A number.
@@ -269,7 +273,7 @@ pub enum BooleanExpression {
     Margin(Margin),
     /// Two Integer, Boolean or String operands are equal.
     Same(Operand, Operand),
-    /// Slot of [`Scenario::rises`]: holds now and did not at the sample before.
+    /// Slot of [`Scenario::conditions`]: holds now and did not at the sample before.
     Rises(usize),
     /// `not a`
     Not(Box<BooleanExpression>),
@@ -277,6 +281,15 @@ pub enum BooleanExpression {
     And(Vec<BooleanExpression>),
     /// At least one holds.
     Or(Vec<BooleanExpression>),
+}
+
+/// A condition that a run follows from sample to sample.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Condition {
+    /// What must hold.
+    pub is: BooleanExpression,
+    /// For how many ticks in a row, for `held`; 0 for `rises`.
+    pub held_ticks: u64,
 }
 
 /// An operand of `==` between discrete values.
@@ -297,26 +310,6 @@ pub struct Margin {
     pub strict: bool,
 }
 
-/// An `at` window; it closes by itself if `until` is there.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Event {
-    /// The tick at which it opens.
-    pub from: u64,
-    /// The tick at which it closes and undoes itself.
-    pub until: Option<u64>,
-    /// What it sets while open, one for each element.
-    pub sets: Vec<Set>,
-}
-
-/// One element of a `set`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Set {
-    /// An input or a tunable parameter.
-    pub target: Port,
-    /// The value, tracked while the window is open.
-    pub value: Drive,
-}
-
 /// An `assert`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Claim {
@@ -328,7 +321,7 @@ pub struct Claim {
     pub line: usize,
     /// What must hold at tick 0.
     pub formula: Formula,
-    /// The unit that margins are told in; `None` where all margins are infinite.
+    /// The unit in which margins are shown; `None` where all margins are infinite.
     pub unit: Option<MarginUnit>,
     /// For a claim about one comparison with a constant: its limit.
     pub limit: Option<Limit>,

@@ -28,6 +28,33 @@ pub struct Source {
     pub name: String,
     /// The text as it was read.
     pub text: String,
+    /// The first byte of each line.
+    lines: Vec<usize>,
+}
+
+impl Source {
+    /// A text with its name; a byte order mark at its start is dropped.
+    #[must_use]
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        let mut text = text.into();
+        if text.starts_with(BYTE_ORDER_MARK) {
+            text.drain(..BYTE_ORDER_MARK.len_utf8());
+        }
+        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+        Self { name: name.into(), text, lines }
+    }
+
+    /// The line, from 1, that a byte lies in.
+    #[must_use]
+    pub fn line(&self, byte: usize) -> usize {
+        self.lines.partition_point(|start| *start <= byte)
+    }
+
+    /// The first byte of the line that a byte lies in.
+    #[must_use]
+    pub fn line_start(&self, byte: usize) -> usize {
+        self.lines[self.line(byte) - 1]
+    }
 }
 
 const BYTE_ORDER_MARK: char = '\u{feff}';
@@ -41,33 +68,35 @@ pub struct Sources {
 impl Sources {
     /// Adds a text and returns its index; a byte order mark at its start is dropped.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> u32 {
-        let mut text = text.into();
-        if text.starts_with(BYTE_ORDER_MARK) {
-            text.drain(..BYTE_ORDER_MARK.len_utf8());
-        }
-        self.texts.push(Source { name: name.into(), text });
+        self.texts.push(Source::new(name, text));
         u32::try_from(self.texts.len() - 1).unwrap_or(u32::MAX)
+    }
+
+    /// The source with an index that [`Sources::add`] returned.
+    #[must_use]
+    pub fn source(&self, text: u32) -> &Source {
+        &self.texts[text as usize]
     }
 
     /// The text with an index that [`Sources::add`] returned.
     #[must_use]
     pub fn text(&self, text: u32) -> &str {
-        &self.texts[text as usize].text
+        &self.source(text).text
     }
 
     /// What diagnostics call the text with an index that [`Sources::add`] returned.
     #[must_use]
     pub fn name(&self, text: u32) -> &str {
-        &self.texts[text as usize].name
+        &self.source(text).name
     }
 
     /// The text that a span lies in.
     #[must_use]
     pub fn of(&self, span: Span) -> &Source {
-        &self.texts[span.text as usize]
+        self.source(span.text)
     }
 
-    /// The words that a span covers.
+    /// The text that a span covers.
     #[must_use]
     pub fn slice(&self, span: Span) -> &str {
         self.of(span).text.get(span.start as usize..span.end as usize).unwrap_or_default()
@@ -76,9 +105,10 @@ impl Sources {
     /// Line and column, both from 1, of a span's first character.
     #[must_use]
     pub fn line_and_column(&self, span: Span) -> (usize, usize) {
-        let before = self.of(span).text.get(..span.start as usize).unwrap_or_default();
-        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+        let source = self.of(span);
+        let byte = source.text.floor_char_boundary(span.start as usize);
+        let start = source.line_start(byte);
+        (source.line(byte), source.text[start..byte].chars().count() + 1)
     }
 }
 

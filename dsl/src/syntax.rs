@@ -303,7 +303,7 @@ pub enum ExpressionKind {
     Implies(Box<Expression>, Box<Expression>),
     /// `always …`, `eventually …`, `hold for d …`
     Temporal {
-        /// Which word.
+        /// The keyword.
         word: TemporalWord,
         /// Where the word stands.
         word_span: Span,

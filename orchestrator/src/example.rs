@@ -25,7 +25,7 @@ pub fn scenario() -> Scenario {
         initialization: vec![],
         connections: vec![],
         events: vec![],
-        rises: vec![],
+        conditions: vec![],
         claims: vec![],
         columns: vec![],
     }

@@ -52,15 +52,15 @@ fn scenario() -> Scenario {
         instances: vec![instance("a", 2.0), instance("b", 1.0)],
         initialization: Vec::new(),
         connections: vec![Connection { target: port(1, U), source: Drive::Copy(port(0, Y)), direct: false }],
-        events: vec![Event {
-            from: 2,
-            until: Some(4),
-            sets: vec![
+        events: vec![Event::at(
+            2,
+            Some(2),
+            vec![
                 set(U, Drive::Real(dsl::scenario::RealExpression::Constant(3.0))),
                 set(ENABLED, Drive::Boolean(BooleanExpression::Constant(true))),
             ],
-        }],
-        rises: Vec::new(),
+        )],
+        conditions: Vec::new(),
         claims: Vec::new(),
         columns: [(0, U), (0, Y), (1, Y), (1, COUNT), (0, ENABLED)].map(column).to_vec(),
     }

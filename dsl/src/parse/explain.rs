@@ -4,7 +4,7 @@ use pest::error::{Error, ErrorVariant};
 
 use super::failure::{Failure, Place};
 use super::grammar::Rule;
-use super::wording::is_reserved;
+use super::wording::{Use, is_reserved, usage, words};
 use super::{lines, mistakes, scan};
 use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
@@ -13,6 +13,8 @@ use crate::nearest::nearest;
 pub(super) struct Explained {
     /// The error.
     pub diagnostic: Diagnostic,
+    /// Where the outermost statement begins that could not be read.
+    pub statement: usize,
     /// A byte after which a statement may begin.
     pub resume: usize,
 }
@@ -20,15 +22,17 @@ pub(super) struct Explained {
 /// Says what is wrong where a match of statements failed.
 pub(super) fn statements(place: &Place<'_>, error: &Error<Rule>) -> Explained {
     let failure = place.failure(error);
+    let statement = failure.outermost_statement();
     if let ErrorVariant::CustomError { .. } = error.variant {
-        // The only error that pest words itself: its stack ran out.
-        return Explained { diagnostic: scan::nested_too_deeply(failure.span()), resume: place.blanked.len() };
+        // The only error with a message of pest's own: its stack limit is reached.
+        let diagnostic = scan::nested_too_deeply(failure.span());
+        return Explained { diagnostic, statement, resume: place.blanked.len() };
     }
     if let Some((diagnostic, resume)) = mistakes::unclosed(&failure) {
-        return Explained { diagnostic, resume };
+        return Explained { diagnostic, statement, resume };
     }
     let diagnostic = mistakes::known(&failure).unwrap_or_else(|| unexpected(&failure));
-    Explained { diagnostic, resume: lines::next_statement(place.blanked, failure.at) }
+    Explained { diagnostic, statement, resume: lines::next_statement(place.blanked, failure.at) }
 }
 
 /// Says what is wrong with an assignment of the command line.
@@ -51,14 +55,13 @@ fn unexpected(failure: &Failure<'_>) -> Diagnostic {
     Diagnostic::error("E00", failure.span(), expected_and_found(failure)).help(help)
 }
 
-/// The word of the language that was probably meant by the word found, or by the one before it.
+/// The keyword that the word found, or the one before it, is probably a misspelling of.
 fn meant(failure: &Failure<'_>) -> Option<&'static str> {
-    const BEFORE_VALUES: [&str; 8] = ["always", "eventually", "hold", "not", "and", "or", "implies", "until"];
-    let expected = WORDS.into_iter().filter(|word| failure.expects(word));
+    let expected = words_behind_values().filter(|word| failure.expects(word));
     let (found, previous) = (failure.found(), failure.previous());
     nearest(found, expected).filter(|meant| *meant != found).or_else(|| {
         let misspelt = failure.expects("*") && !is_reserved(previous) && !found.is_empty();
-        nearest(previous, BEFORE_VALUES).filter(|_| misspelt)
+        nearest(previous, words(&[Use::Prefix, Use::Joint])).filter(|_| misspelt)
     })
 }
 
@@ -68,7 +71,7 @@ fn expected_and_found(failure: &Failure<'_>) -> String {
     format!("expected {}{after}, found {}", expected(failure), found(failure))
 }
 
-/// What was found, as words.
+/// What was found, as text for a message.
 pub(super) fn found(failure: &Failure<'_>) -> String {
     if let Some(c) = failure.found().chars().next().filter(|c| c.is_whitespace() || c.is_control()) {
         if matches!(c, ' ' | '\t') {
@@ -120,21 +123,21 @@ fn value(failure: &Failure<'_>) -> &'static str {
     }
 }
 
-/// The words that may follow a value.
-const WORDS: [&str; 15] = [
-    "for", "in", "as", "held", "lasting", "on", "every", "set", "fault", "within", "after", "and", "or", "implies",
-    "until",
-];
+/// The words that may follow a value or begin an action; `for` follows `hold`.
+fn words_behind_values() -> impl Iterator<Item = &'static str> {
+    words(&[Use::Action, Use::Clause, Use::Conversion, Use::Joint]).chain(["for"])
+}
 
-/// The brackets, signs and words of the statement that could have come; operators go without saying.
+/// The brackets, signs and words of the statement that could have come; operators are not listed.
 fn structure(failure: &Failure<'_>) -> Vec<&'static str> {
     const SIGNS: [&str; 11] = ["->", "=>", "=", ":", "~", "{", "}", ")", "]", ",", "\""];
-    let is_operator = |word: &str| match word {
-        "as" | "and" | "or" | "implies" | "until" => true,
-        "in" => failure.expects("as"),
+    // `in` without `as` is that of a range.
+    let is_operator = |word: &str| match usage(word) {
+        Some(Use::Joint) => true,
+        Some(Use::Conversion) => failure.expects("as"),
         _ => false,
     };
-    let words = WORDS.into_iter().filter(|word| !is_operator(word));
+    let words = words_behind_values().filter(|word| !is_operator(word));
     SIGNS.into_iter().chain(words).filter(|token| failure.expects(token)).collect()
 }
 

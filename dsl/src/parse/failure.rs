@@ -49,7 +49,7 @@ impl<'a> Place<'a> {
         let furthest = attempts.filter(|_| !expected.is_empty()).map_or(rule_at, |attempts| attempts.max_position);
         let at = token_start(self.blanked, self.from + rule_at, self.from + furthest, &expected);
         if at < self.from + furthest && self.blanked[at..].starts_with(is_word) {
-            // These tokens could have continued the word that turned out to be wrong as a whole.
+            // These tokens could have continued a word that is wrong as a whole.
             expected.clear();
         }
         if let (ErrorVariant::ParsingError { positives, .. }, true) = (&error.variant, at == self.from + rule_at) {
@@ -98,7 +98,7 @@ pub(super) fn position(error: &Error<Rule>) -> usize {
     error.parse_attempts().map_or(0, |attempts| attempts.max_position).max(rule_position(error))
 }
 
-/// The tokens of a rule that tell it from others, as far as messages speak of them.
+/// The tokens that distinguish a rule from others, as far as messages name them.
 fn first_tokens(rule: Rule) -> Vec<String> {
     let word = format!("{rule:?}");
     let tokens: &[&str] = match rule {
@@ -211,6 +211,13 @@ impl<'a> Failure<'a> {
             at += if quoted { token(&self.blanked[at..self.at]).len() } else { c.len_utf8() };
         }
         open
+    }
+
+    /// Where the statement begins that holds the failure, with all blocks around it.
+    pub fn outermost_statement(&self) -> usize {
+        let block =
+            self.open_brackets().first().map(|(open, _)| lines::statement_start(self.blanked, self.from, *open));
+        block.map_or(self.statement, |block| block.min(self.statement))
     }
 
     /// The place of what was found.

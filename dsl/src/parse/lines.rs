@@ -1,6 +1,6 @@
 //! Where statements begin: what recovery after a syntax error, and the line that an error names, go by.
 
-use super::wording::is_statement_word;
+use super::wording::{Use, is_statement_word, usage};
 use crate::source::Span;
 
 /// A span from byte positions.
@@ -26,7 +26,7 @@ pub(super) fn first_word_begins_statement(line: &str) -> bool {
 
 /// Whether the text of a line goes on with the statement of the line before.
 pub(super) fn continues(next: &str) -> bool {
-    matches!(first_word(next), "and" | "or" | "implies" | "until") || next.starts_with("->") || next.starts_with("=>")
+    usage(first_word(next)) == Some(Use::Joint) || next.starts_with("->") || next.starts_with("=>")
 }
 
 /// Whether a line holds an arrow, outside quotes, that does not begin it.

@@ -49,7 +49,7 @@ pub(super) fn unclosed(failure: &Failure<'_>) -> Option<(Diagnostic, usize)> {
         let label = format!("expected `{closing}` here at the latest");
         return Some((diagnostic.label(failure.span(), label), lines::next_statement(text, failure.at)));
     }
-    // A statement word in the braces of an fmu line was taken for a key.
+    // A statement word in the braces of an fmu line was read as a key.
     let line = lines::line_start(text, failure.at);
     let first = &text[line..lines::line_end(text, line)];
     let word = lines::first_word(first);

@@ -30,8 +30,9 @@ use crate::syntax::{Binding, File};
 /// A text, read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Parsed {
-    /// The tree; without statements if any diagnostic is there, because half a script would bring errors that the
-    /// whole one does not have.
+    /// The tree as far as it goes: of a statement with a syntax error nothing is kept, and what stands behind the error in a
+    /// block stands outside of it. A tree with errors is for editors; its meaning would have errors that the whole script
+    /// does not have.
     pub file: File,
     /// Every syntax error, in the text's order.
     pub diagnostics: Vec<Diagnostic>,
@@ -43,28 +44,35 @@ pub fn parse(sources: &Sources, text: u32) -> Parsed {
     let source = sources.text(text);
     with_stack(|| {
         let scan::Scanned { text: blanked, mut diagnostics } = scan::scan(source, text);
-        let mut file = File::default();
-        let mut failure = match match_rule(Rule::file, &blanked) {
-            Ok(pair) => {
-                let mut walk = tree::Walk::new(source, text);
-                file.statements = walk.statements(pair);
-                diagnostics.append(&mut walk.diagnostics);
-                None
-            }
-            Err(error) => Some((0, error)),
-        };
-        while let Some((from, error)) = failure {
+        let mut walk = tree::Walk::new(source, text);
+        let mut statements = Vec::new();
+        let (mut from, mut matched) = (0, match_rule(Rule::file, &blanked));
+        while let Err(error) = matched {
             let explained = explain::statements(&Place { blanked: &blanked, text, from }, &error);
             diagnostics.push(explained.diagnostic);
-            failure = next_failure(&blanked, explained.resume).map(|error| (explained.resume, error));
+            if let Ok(before) = match_rule(Rule::rest, &blanked[from..explained.statement]) {
+                statements.extend(walk.statements_from(from, before));
+            }
+            // They would change what users read of the syntax errors.
+            walk.diagnostics.clear();
+            from = explained.resume;
+            matched = match_rest(&blanked, from);
         }
-        finish(file, diagnostics)
+        let is_whole = from == 0;
+        if let Ok(rest) = matched {
+            statements.extend(walk.statements_from(from, rest));
+        }
+        if is_whole {
+            diagnostics.append(&mut walk.diagnostics);
+        }
+        diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span));
+        Parsed { file: File { statements }, diagnostics }
     })
 }
 
-/// The first error after a byte, sought in a window that grows: pest's own search for an error's line runs from the end
-/// of the text that it is given, which for many errors in a long text would take time by the square.
-fn next_failure(blanked: &str, from: usize) -> Option<Box<pest::error::Error<Rule>>> {
+/// Matches what follows a byte, in a window that grows: pest's own search for an error's line runs from the end of the text
+/// that it is given, which for many errors in a long text would take time by the square.
+fn match_rest(blanked: &str, from: usize) -> Matched<'_> {
     const FIRST_WINDOW_BYTES: usize = 4096;
     let mut window_bytes = FIRST_WINDOW_BYTES;
     loop {
@@ -72,17 +80,11 @@ fn next_failure(blanked: &str, from: usize) -> Option<Box<pest::error::Error<Rul
         let matched = match_rule(Rule::rest, &blanked[from..end]);
         let last_line = lines::line_start(blanked, end).saturating_sub(from);
         match matched {
-            Ok(_) if end == blanked.len() => return None,
-            Err(error) if end == blanked.len() || failure::position(&error) < last_line => return Some(error),
-            _ => window_bytes *= 4,
+            Err(error) if end < blanked.len() && failure::position(&error) >= last_line => window_bytes *= 4,
+            Ok(_) if end < blanked.len() => window_bytes *= 4,
+            matched => return matched,
         }
     }
-}
-
-fn finish(file: File, mut diagnostics: Vec<Diagnostic>) -> Parsed {
-    diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span));
-    let file = if diagnostics.is_empty() { file } else { File::default() };
-    Parsed { file, diagnostics }
 }
 
 /// Parses one text of `sources`, an assignment of the command line such as `gust = 6 m/s`.
@@ -109,11 +111,20 @@ pub fn parse_assignment(sources: &Sources, text: u32) -> Result<Binding, Vec<Dia
     })
 }
 
+/// The one pair of a match, or where and why it failed.
+type Matched<'i> = Result<Pair<'i, Rule>, Box<pest::error::Error<Rule>>>;
+
 /// The one pair of a rule that spans a whole text.
-fn match_rule(rule: Rule, text: &str) -> Result<Pair<'_, Rule>, Box<pest::error::Error<Rule>>> {
-    // Without it pest tells which rule failed, but not how far it came.
-    pest::set_error_detail(true);
-    Grammar::parse(rule, text).map_err(Box::new).map(tree::only)
+fn match_rule(rule: Rule, text: &str) -> Matched<'_> {
+    let matched = Grammar::parse(rule, text).or_else(|error| match error.parse_attempts() {
+        Some(_) => Err(error),
+        // Without it pest reports which rule failed, but not how far the match came; texts without errors parse faster so.
+        None => {
+            pest::set_error_detail(true);
+            Grammar::parse(rule, text)
+        }
+    });
+    matched.map_err(Box::new).map(tree::only)
 }
 
 /// Does work with a stack that carries the deepest nesting allowed, whatever the caller's stack.

@@ -1,10 +1,10 @@
 //! What happens to a text before the grammar sees it: comments, and line breaks inside brackets, become blanks.
 //!
-//! Every byte keeps its place. On the way come the rules that the grammar cannot say: how deep things may nest, and
-//! that a sign stands at its number.
+//! Every byte keeps its place. The scan also checks two rules that the grammar cannot express: the limit of
+//! nesting, and that a sign stands at its number.
 
 use super::lines;
-use super::wording::is_reserved;
+use super::wording::{Use, usage};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 
@@ -78,7 +78,7 @@ struct Scanner<'a> {
     levels: Vec<Level>,
     /// Whether the last token can be the left side of an operator.
     after_operand: bool,
-    /// Whether a line break after an operand came since the last token: the next one shows whether it meant anything.
+    /// Whether a line break after an operand came since the last token: the next token decides whether it ends an element.
     line_ended: bool,
     diagnostics: Vec<Diagnostic>,
 }
@@ -245,13 +245,15 @@ impl<'a> Scanner<'a> {
         let rest = self.rest();
         let length = rest.find(|c| !is_name_part(c)).unwrap_or(rest.len());
         let word = &rest[..length];
-        let deepens = matches!(word, "not" | "always" | "eventually" | "hold" | "implies" | "until");
-        let operand = !is_reserved(word) || matches!(word, "true" | "false");
+        let usage = usage(word);
+        // `and` and `or` make one list of their operands, however many they are.
+        let deepens = matches!(usage, Some(Use::Prefix | Use::Joint)) && !matches!(word, "and" | "or");
+        let operand = matches!(usage, None | Some(Use::Value));
         self.innermost().operators += usize::from(deepens);
         self.symbol(length, operand);
     }
 
-    /// Reports the nesting and blanks what is left of the text: nothing in it could be told reliably.
+    /// Reports the nesting and blanks what is left of the text: errors in it would not be reliable.
     fn cut_off(&mut self) {
         self.diagnostics.push(nested_too_deeply(self.span(self.at - 1, self.at)));
         let start = lines::statement_start(&self.out, 0, self.out.len());

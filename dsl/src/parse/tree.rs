@@ -4,6 +4,7 @@ use pest::iterators::{Pair, Pairs};
 
 use super::grammar::Rule;
 use super::lines;
+use super::wording::{KEYWORDS, Use};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::syntax::{
@@ -15,33 +16,35 @@ use crate::syntax::{
 pub(super) struct Walk<'a> {
     source: &'a str,
     text: u32,
-    /// What the grammar cannot refuse.
+    /// The byte of `source` at which the matched text begins.
+    from: usize,
+    /// Errors that the grammar cannot express.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// The pairs inside a pair, without the words that only structure it.
+/// The pairs inside a pair, without the keywords that only give it structure.
 pub(super) fn parts(pair: Pair<'_, Rule>) -> impl Iterator<Item = Pair<'_, Rule>> {
     pair.into_inner().filter(|part| !is_structure(part.as_rule()))
 }
 
+/// Whether a rule is a keyword that only shows where a part begins; of other keywords the tree needs to know which it is.
 fn is_structure(rule: Rule) -> bool {
-    use Rule::{
-        AND, ASSERT, AT, EOI, EVERY, FAULT, FMU, FOR, HELD, IMPLIES, LASTING, LET, NOT, ON, OR, PARAM, RECORD,
-        SCENARIO, SET, STEP, STOP, SWEEP, UNTIL, USE, WHEN, WHILE,
-    };
-    let statement = matches!(
-        rule,
-        SCENARIO | STEP | STOP | PARAM | LET | FMU | USE | FOR | AT | WHEN | WHILE | ASSERT | RECORD | SWEEP | EOI
-    );
-    statement || matches!(rule, ON | EVERY | HELD | LASTING | SET | FAULT | AND | OR | NOT | IMPLIES | UNTIL)
+    let usage = KEYWORDS.iter().find(|keyword| keyword.rule == rule).map(|keyword| keyword.usage);
+    match usage {
+        Some(Use::Statement | Use::Action | Use::Joint) => true,
+        Some(Use::Clause) => !matches!(rule, Rule::WITHIN | Rule::AFTER),
+        Some(Use::Prefix) => rule == Rule::NOT,
+        Some(Use::Conversion | Use::Value) => false,
+        None => rule == Rule::EOI,
+    }
 }
 
-/// The one pair that must come.
+/// The only pair, which the grammar guarantees.
 pub(super) fn only(mut pairs: Pairs<'_, Rule>) -> Pair<'_, Rule> {
     next(&mut pairs)
 }
 
-/// The next pair, which the grammar promises.
+/// The next pair, which the grammar guarantees.
 pub(super) fn next<'i>(pairs: &mut impl Iterator<Item = Pair<'i, Rule>>) -> Pair<'i, Rule> {
     match pairs.next() {
         Some(pair) => pair,
@@ -52,12 +55,12 @@ pub(super) fn next<'i>(pairs: &mut impl Iterator<Item = Pair<'i, Rule>>) -> Pair
 impl<'a> Walk<'a> {
     /// A walk over the pairs of what `source` became.
     pub fn new(source: &'a str, text: u32) -> Self {
-        Self { source, text, diagnostics: Vec::new() }
+        Self { source, text, from: 0, diagnostics: Vec::new() }
     }
 
     /// The place of a pair, without the blanks that pest adds at its end.
     pub fn span(&self, pair: &Pair<'_, Rule>) -> Span {
-        let start = pair.as_span().start();
+        let start = self.from + pair.as_span().start();
         lines::span(self.text, start, start + pair.as_str().trim_end().len())
     }
 
@@ -69,14 +72,20 @@ impl<'a> Walk<'a> {
         Word { text: bare.to_owned(), span: self.span(pair) }
     }
 
+    /// The statements of a text that was matched from a byte of the source on.
+    pub fn statements_from(&mut self, from: usize, pair: Pair<'_, Rule>) -> Vec<Statement> {
+        self.from = from;
+        self.statements(pair)
+    }
+
     /// The statements of a file or block.
-    pub fn statements(&mut self, pair: Pair<'_, Rule>) -> Vec<Statement> {
+    fn statements(&mut self, pair: Pair<'_, Rule>) -> Vec<Statement> {
         parts(pair).map(|statement| self.statement(statement)).collect()
     }
 
     fn statement(&mut self, pair: Pair<'_, Rule>) -> Statement {
         let span = self.span(&pair);
-        Statement { documentation: self.documentation(pair.as_span().start()), kind: self.kind(pair), span }
+        Statement { documentation: self.documentation(self.from + pair.as_span().start()), kind: self.kind(pair), span }
     }
 
     /// The comment lines right above a line.

@@ -1,5 +1,7 @@
 //! Sums and products of numbers and vectors.
 
+use std::rc::Rc;
+
 use super::meaning::{Meaning, Measure, Real, UnitName};
 use super::measure::quantity;
 use super::real;
@@ -17,7 +19,7 @@ pub(super) struct Pair<'m> {
     pub right: (&'m Real, Span),
 }
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// `left operator right`, number by number.
     pub fn arithmetic(&self, operator: Operator, left: &Expression, right: &Expression) -> Option<Meaning> {
         let mut is_offset = false;
@@ -59,7 +61,8 @@ impl Scope<'_> {
     }
 
     fn each(&self, elements: Vec<Real>, of: impl Fn(Real) -> Option<Real>) -> Option<Meaning> {
-        elements.into_iter().map(|element| of(element).map(Meaning::Real)).collect::<Option<_>>().map(Meaning::List)
+        let elements = elements.into_iter().map(|element| of(element).map(|value| Rc::new(Meaning::Real(value))));
+        elements.collect::<Option<_>>().map(Meaning::List)
     }
 
     fn vector_sum(&self, operator: Operator, of: (&Meaning, &Meaning), spans: (Span, Span)) -> Option<Meaning> {
@@ -68,8 +71,8 @@ impl Scope<'_> {
         if !self.same_length(left.len(), right.len(), spans) {
             return None;
         }
-        let pairs = left.iter().zip(&right).map(|(l, r)| self.combined(operator, (l, r), spans).map(Meaning::Real));
-        pairs.collect::<Option<_>>().map(Meaning::List)
+        let of_pair = |(l, r)| self.combined(operator, (l, r), spans).map(|value| Rc::new(Meaning::Real(value)));
+        left.iter().zip(&right).map(of_pair).collect::<Option<_>>().map(Meaning::List)
     }
 
     /// Reports vectors of different lengths.
@@ -119,7 +122,7 @@ impl Scope<'_> {
         }
     }
 
-    /// What both measure; reports a difference as `cannot {verb} a length and a time`, a quantity that meets a variable
+    /// What both measure; reports a difference as `cannot {verb} a length and a time`, a quantity beside a variable
     /// without unit as a warning.
     pub fn unified(&self, pair: Pair<'_>, code: &'static str, verb: &str) -> Option<Measure> {
         let ((left, left_span), (right, right_span)) = (pair.left, pair.right);
@@ -144,7 +147,7 @@ impl Scope<'_> {
         self.refuse(self.help_unit(pair, error))
     }
 
-    /// A plain number beside a quantity wants its unit.
+    /// Help for a plain number beside a quantity: its unit is missing.
     fn help_unit(&self, pair: Pair<'_>, error: Diagnostic) -> Diagnostic {
         let wants = |(value, span): (&Real, Span), (other, _): (&Real, Span)| {
             let unit = other.unit.as_ref().map(|unit| unit.unit.name.clone()).filter(|name| !name.is_empty())?;
@@ -167,13 +170,14 @@ impl Scope<'_> {
         let opposite = |value: Real| Real::computed(real::negate(value.expression), value.measure, value.unit);
         if is_vector(&meaning) {
             let elements = self.reals(&meaning, of.span)?;
-            return Some(Meaning::List(elements.into_iter().map(|element| Meaning::Real(opposite(element))).collect()));
+            let elements = elements.into_iter().map(|element| Rc::new(Meaning::Real(opposite(element))));
+            return Some(Meaning::List(elements.collect()));
         }
         self.real(&meaning, of.span).map(|value| Meaning::Real(opposite(value)))
     }
 }
 
-/// The unit to tell a sum, difference or extreme in: what the script wrote counts before what a unit declares.
+/// The unit in which a sum, difference or extreme is shown: one that the script wrote precedes one that a unit declares.
 pub(super) fn preferred(left: &Real, right: &Real) -> Option<UnitName> {
     let units = [&right.unit, &left.unit].into_iter().flatten().filter(|unit| !unit.unit.name.is_empty());
     let units: Vec<_> = units.collect();

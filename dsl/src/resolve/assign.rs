@@ -1,4 +1,7 @@
-//! Pairs what is given with what takes it: groups by the names of their members, lists and picked members by order.
+//! Pairs values with the ports that take them: groups by the names of their members, lists and picked members by order.
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use fmi2::description::{Causality, Initial, Variability};
 
@@ -9,6 +12,9 @@ use super::signal::Signal;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::listed;
 use crate::scenario::Port;
+
+/// Values with the ports that take them.
+type Pairs = Vec<(Rc<Meaning>, Port)>;
 
 /// What an assignment may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +27,7 @@ pub(super) enum Role {
     Preset,
 }
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// Whether an assignment of this role may touch a variable.
     pub fn may(&self, role: Role, port: Port) -> bool {
         let variable = self.variable(port);
@@ -101,15 +107,15 @@ impl Scope<'_> {
     }
 
     /// The value for each port of a target, in the ports' own types and units. Shapes are checked first, and the first
-    /// member that does not fit speaks for all.
-    pub fn assigned_ports(&self, value: &Meaning, target: &Signal, at: Meeting<'_>) -> Option<Vec<(Port, Fitted)>> {
+    /// member that does not fit is reported for all of them.
+    pub fn assigned_ports(&self, value: &Rc<Meaning>, target: &Signal, at: Meeting<'_>) -> Option<Vec<(Port, Fitted)>> {
         let mut pairs = Vec::new();
         self.pair(value, target, at, &mut pairs)?;
         pairs.into_iter().map(|(value, port)| Some((port, self.fit(&value, port, at)?))).collect()
     }
 
-    fn pair(&self, value: &Meaning, target: &Signal, at: Meeting<'_>, pairs: &mut Vec<(Meaning, Port)>) -> Option<()> {
-        match (value, target) {
+    fn pair(&self, value: &Rc<Meaning>, target: &Signal, at: Meeting<'_>, pairs: &mut Pairs) -> Option<()> {
+        match (&**value, target) {
             (Meaning::Group(source), Signal::Group(target)) => self.by_name(source, target, at, pairs),
             (Meaning::List(elements), Signal::Picked(targets)) if elements.len() == targets.len() => {
                 elements.iter().zip(targets).try_for_each(|(element, target)| self.pair(element, target, at, pairs))
@@ -137,17 +143,23 @@ impl Scope<'_> {
                 let error = error.label(at.target, format!("takes {count}"));
                 self.refuse(error.help("write a list, for example `[1, 2, 3] m`"))
             }
-            (value, Signal::One(port)) => {
-                pairs.push((value.clone(), *port));
+            (_, Signal::One(port)) => {
+                pairs.push((Rc::clone(value), *port));
                 Some(())
             }
         }
     }
 
-    fn by_name(&self, source: &Group, target: &Group, at: Meeting<'_>, pairs: &mut Vec<(Meaning, Port)>) -> Option<()> {
-        let find = |suffix: &str| source.members.iter().find(|(name, _)| name == suffix);
-        let missing: Vec<_> =
-            target.members.iter().map(|(suffix, _)| suffix.as_str()).filter(|suffix| find(suffix).is_none()).collect();
+    fn by_name(&self, source: &Group, target: &Group, at: Meeting<'_>, pairs: &mut Pairs) -> Option<()> {
+        // Of equal names the first one counts.
+        let given: BTreeMap<&str, usize> =
+            source.members.iter().rev().map(|(name, variable)| (name.as_str(), *variable)).collect();
+        let missing: Vec<_> = target
+            .members
+            .iter()
+            .map(|(suffix, _)| suffix.as_str())
+            .filter(|suffix| !given.contains_key(suffix))
+            .collect();
         if !missing.is_empty() {
             let gives = source.members.iter().map(|(suffix, _)| suffix.trim_start_matches('.'));
             let list = listed(missing.iter().take(6).map(|suffix| suffix.trim_start_matches('.')));
@@ -158,20 +170,20 @@ impl Scope<'_> {
             return self.refuse(error.help("name the members on both sides, for example `a.{x, y} -> b.{u, v}`"));
         }
         for (suffix, variable) in &target.members {
-            if let Some((_, from)) = find(suffix) {
-                let value = self.port_meaning(Port { instance: source.instance, variable: *from });
-                pairs.push((value, Port { instance: target.instance, variable: *variable }));
+            if let Some(&from) = given.get(suffix.as_str()) {
+                let value = self.port_meaning(Port { instance: source.instance, variable: from });
+                pairs.push((Rc::new(value), Port { instance: target.instance, variable: *variable }));
             }
         }
         Some(())
     }
 
     /// The single values of a list or group, in order.
-    fn leaves(&self, value: &Meaning) -> Vec<Meaning> {
-        match value {
+    fn leaves(&self, value: &Rc<Meaning>) -> Vec<Rc<Meaning>> {
+        match &**value {
             Meaning::List(elements) => elements.iter().flat_map(|element| self.leaves(element)).collect(),
-            Meaning::Group(group) => group.ports().map(|port| self.port_meaning(port)).collect(),
-            other => vec![other.clone()],
+            Meaning::Group(group) => group.ports().map(|port| Rc::new(self.port_meaning(port))).collect(),
+            _ => vec![Rc::clone(value)],
         }
     }
 }

@@ -1,11 +1,11 @@
 //! `assert`: what must hold, how far it looks ahead, and what its margin is measured in.
 
-use super::grid::duration;
+use super::frame::Placed;
 use super::meaning::{Bound, Condition, Measure};
 use super::scope::Scope;
 use super::temporal::total;
 use crate::diagnostic::Diagnostic;
-use crate::scenario::{BooleanExpression, Claim, Formula, Limit, Margin};
+use crate::scenario::{BooleanExpression, Claim, Formula, Limit, Margin, duration};
 use crate::source::Span;
 use crate::syntax::{Expression, Name, TemporalWord};
 
@@ -15,10 +15,12 @@ use super::real;
 /// A claim keeps values of so many steps at most; more would not fit into memory beside the run.
 const MOST_STEPS_AHEAD: u64 = 10_000_000;
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// The claims in the script's order.
     pub fn claims(&self, stop_tick: Option<u64>) -> Vec<Claim> {
-        self.script.claims.iter().filter_map(|(name, claim)| self.claim(name, claim, stop_tick)).collect()
+        let claim =
+            |claim: &Placed<(&Name, &Expression)>| self.at(claim.frame).claim(claim.part.0, claim.part.1, stop_tick);
+        self.script.claims.iter().filter_map(claim).collect()
     }
 
     fn claim(&self, name: &Name, claim: &Expression, stop_tick: Option<u64>) -> Option<Claim> {
@@ -53,14 +55,14 @@ impl Scope<'_> {
             (left, right) => left == right,
         };
         let Some((other, _)) = rest.iter().find(|(bound, _)| !agrees(bound)) else { return };
-        let told = |bound: &Bound| match bound.measure {
+        let shown = |bound: &Bound| match bound.measure {
             _ if !bound.unit.name.is_empty() => bound.unit.name.clone(),
             Measure::Known(dimension) => quantity(dimension),
             Measure::Undeclared => "no unit".to_owned(),
         };
-        let message = format!("this claim would mix a margin in {} with a margin in {}", told(first), told(other));
-        let error = Diagnostic::error("E10", first.span, message).saying(format!("margin in {}", told(first)));
-        let error = error.label(other.span, format!("margin in {}", told(other)));
+        let message = format!("this claim would mix a margin in {} with a margin in {}", shown(first), shown(other));
+        let error = Diagnostic::error("E10", first.span, message).saying(format!("margin in {}", shown(first)));
+        let error = error.label(other.span, format!("margin in {}", shown(other)));
         let advice = match (&first.scaled, &other.scaled) {
             (Some(left), Some(right)) => format!("make two asserts, or compare plain numbers: `{left}` and `{right}`"),
             _ => "make two asserts, or compare plain numbers".to_owned(),
@@ -70,10 +72,10 @@ impl Scope<'_> {
 
     fn too_long(&self, name: &Name, windows: &[(u64, &str)]) -> Diagnostic {
         let step_ns = self.grid().map_or(0, |grid| grid.step_ns);
-        let told = |ticks: u64| duration(ticks.saturating_mul(step_ns));
-        let parts: Vec<_> = windows.iter().map(|(ticks, word)| format!("{} {word}", told(*ticks))).collect();
+        let shown = |ticks: u64| duration(ticks.saturating_mul(step_ns));
+        let parts: Vec<_> = windows.iter().map(|(ticks, word)| format!("{} {word}", shown(*ticks))).collect();
         let sum = if parts.len() > 1 { format!(" ({})", parts.join(" + ")) } else { String::new() };
-        let ahead = told(total(windows));
+        let ahead = shown(total(windows));
         let stop = self.script.stop.map_or(Span::default(), |stop| stop.span);
         let message = format!("`{}` looks {ahead} ahead{sum}, the run ends at {}", name.word.text, self.text(stop));
         let error = Diagnostic::error("E09", name.span, message).label(stop, "the end");

@@ -11,13 +11,13 @@ use crate::diagnostic::Diagnostic;
 use crate::scenario::{Claim, Column, Port};
 use crate::syntax::Path;
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// The columns of `record`, each port once, in the script's order. Without `record`: every port at either end of a
     /// connection or in a claim, in order of instances and their variables.
     pub fn columns(&self, connections: &[Wired], claims: &[Claim]) -> Vec<Column> {
         let mut seen = BTreeSet::new();
         let ports: Vec<Port> = if self.script.has_record {
-            let recorded = self.script.records.iter().flat_map(|path| self.recorded(path));
+            let recorded = self.script.records.iter().flat_map(|path| self.at(path.frame).recorded(path.part));
             recorded.filter(|port| seen.insert(*port)).collect()
         } else {
             let mut all = self.sources(connections);
@@ -43,7 +43,7 @@ impl Scope<'_> {
 
     fn signal_to_record(&self, path: &Path) -> Option<Signal> {
         use super::script::Declaration;
-        match self.script.names.get(path.root.text.as_str()) {
+        match self.look_up(&path.root.text).map(|found| found.part) {
             Some(Declaration::Let(_) | Declaration::Parameter(_)) => {
                 let message = format!("`{}` is a name of the script, and `record` takes ports", path.root.text);
                 self.refuse(

@@ -23,7 +23,7 @@ impl Sides<'_> {
     }
 }
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// `a < b < c`, `a == b ± d`: each neighbour pair holds.
     pub fn comparison(&self, first: &Expression, rest: &[ComparisonLink], span: Span) -> Option<Condition> {
         let meanings: Vec<_> = std::iter::once(first)
@@ -38,7 +38,7 @@ impl Scope<'_> {
         let bounds: Vec<_> = sides
             .enumerate()
             .map(|(at, (left, link))| {
-                let (l, r) = (meanings[at].as_ref()?, meanings[at + 1].as_ref()?);
+                let (l, r) = (meanings[at].as_deref()?, meanings[at + 1].as_deref()?);
                 self.compared(&Sides { left, right: &link.operand, link }, l, r)
             })
             .collect();
@@ -71,7 +71,7 @@ impl Scope<'_> {
     fn bound(&self, sides: &Sides<'_>, left: &Real, right: &Real) -> Option<Condition> {
         let pair = Pair { left: (left, sides.left.span), right: (right, sides.right.span) };
         let measure = self.unified(pair, "E02", "compare")?;
-        let unit = told_in(measure, left, right);
+        let unit = shown_in(measure, left, right);
         let difference =
             |from: &Real, to: &Real| real::combine(Operator::Subtract, from.expression.clone(), to.expression.clone());
         let operator = sides.link.operator;
@@ -206,7 +206,7 @@ impl Scope<'_> {
     /// Whether two enumerations have the same items.
     pub fn same_items(&self, left: Port, right: Port) -> bool {
         let items = |port: Port| {
-            let items = self.known(port.instance).items_of(self.variable(port)).iter();
+            let items = self.known(port.instance).items_of(port.variable).iter();
             items.map(|item| (item.name.as_str(), item.value)).collect::<Vec<_>>()
         };
         items(left) == items(right)
@@ -237,7 +237,7 @@ fn agree(left: BooleanExpression, right: BooleanExpression) -> BooleanExpression
 }
 
 /// The unit of the literal, else that of the signal, else SI.
-fn told_in(measure: Measure, left: &Real, right: &Real) -> MarginUnit {
+fn shown_in(measure: Measure, left: &Real, right: &Real) -> MarginUnit {
     let named = |value: &Real| value.unit.clone().filter(|unit| !unit.unit.name.is_empty());
     let is_literal = |value: &Real| value.is_quantity();
     let of_literal = [right, left].into_iter().filter(|value| is_literal(value)).find_map(named);

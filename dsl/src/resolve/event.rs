@@ -1,7 +1,10 @@
 //! `at` windows: what they set, and that no two touch one port.
 
+use std::collections::BTreeMap;
+
 use super::assign::Role;
 use super::fit::{Fitted, Meeting};
+use super::frame::Placed;
 use super::grid::Least;
 use super::scope::Scope;
 use super::script::not_yet;
@@ -11,6 +14,7 @@ use crate::source::Span;
 use crate::syntax::{Action, Expression, Path, Window};
 
 /// One port under one `set`.
+#[derive(Clone, Copy)]
 struct Touch {
     port: Port,
     from: u64,
@@ -18,36 +22,40 @@ struct Touch {
     span: Span,
     /// Index of the window in the script.
     window: usize,
+    /// Index of the `set` among those of all windows.
+    set: usize,
 }
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// The windows in the script's order.
     pub fn events(&self, stop_tick: Option<u64>) -> Vec<Event> {
         let mut touches: Vec<Touch> = Vec::new();
         let mut events = Vec::new();
-        for (index, window) in self.script.windows.iter().enumerate() {
-            let times = self.times(window, stop_tick);
+        let mut sets_before = 0;
+        for (index, &Placed { frame, part: window }) in self.script.windows.iter().enumerate() {
+            let scope = self.at(frame);
+            let times = scope.times(window, stop_tick);
             let mut sets = Vec::new();
             for action in &window.actions {
                 match action {
                     Action::Fault { span, .. } => self.report(not_yet(*span, "`fault`")),
                     Action::Set { target, value, .. } => {
-                        let assigned = self.set(target, value);
+                        let assigned = scope.set(target, value);
                         if let Some((from, until)) = times {
-                            let touch =
-                                |set: &Set| Touch { port: set.target, from, until, span: target.span, window: index };
-                            let touched: Vec<_> = assigned.iter().map(touch).collect();
-                            self.check_overlap(&touches, &touched);
-                            touches.extend(touched);
+                            let (span, window, set) = (target.span, index, sets_before);
+                            let touch = |set_: &Set| Touch { port: set_.target, from, until, span, window, set };
+                            touches.extend(assigned.iter().map(touch));
                         }
+                        sets_before += 1;
                         sets.extend(assigned);
                     }
                 }
             }
             if let Some((from, until)) = times {
-                events.push(Event { from, until, sets });
+                events.push(Event::at(from, until.map(|until| until - from), sets));
             }
         }
+        self.check_overlap(&touches);
         events
     }
 
@@ -91,15 +99,40 @@ impl Scope<'_> {
         sets
     }
 
-    /// Refuses two windows that are open at one time over one port, told once for a `set`.
-    fn check_overlap(&self, before: &[Touch], touched: &[Touch]) {
-        let clash = touched.iter().find_map(|late| Some((late, before.iter().find(|early| clashes(early, late))?)));
-        if let Some((late, early)) = clash {
-            let message = format!("two windows set `{}` at one time", self.port_name(late.port));
-            let error = Diagnostic::error("E35", late.span, message).label(early.span, "set here too");
-            self.report(error.help("let one end before the other begins, or set it in one place"));
+    /// Refuses two windows that are open at one time over one port, reported once for a `set`; `touches` are in the script's
+    /// order.
+    fn check_overlap(&self, touches: &[Touch]) {
+        let mut by_port: BTreeMap<Port, Vec<Touch>> = BTreeMap::new();
+        for touch in touches {
+            by_port.entry(touch.port).or_default().push(*touch);
+        }
+        by_port.retain(|_, touches| may_clash(touches));
+        let mut last_refused = None;
+        for late in touches.iter().filter(|late| by_port.contains_key(&late.port)) {
+            if last_refused == Some(late.set) {
+                continue;
+            }
+            let mut before = by_port[&late.port].iter().take_while(|early| early.set < late.set);
+            if let Some(early) = before.find(|early| clashes(early, late)) {
+                last_refused = Some(late.set);
+                let message = format!("two windows set `{}` at one time", self.port_name(late.port));
+                let error = Diagnostic::error("E35", late.span, message).label(early.span, "set here too");
+                self.report(error.help("let one end before the other begins, or set it in one place"));
+            }
         }
     }
+}
+
+/// Whether any two `set`s of one port may clash: whether one opens before another has ended, or with it.
+fn may_clash(touches: &[Touch]) -> bool {
+    let mut in_time: Vec<_> = touches.iter().map(|touch| (touch.from, touch.until)).collect();
+    in_time.sort_unstable();
+    let mut last_end = 0;
+    in_time.iter().enumerate().any(|(at, (from, until))| {
+        let ended = last_end;
+        last_end = last_end.max(until.unwrap_or_default());
+        at > 0 && (*from < ended || in_time[at - 1].0 == *from)
+    })
 }
 
 /// A `set` that stays is no window: a later one replaces it, and a window over it returns to it.

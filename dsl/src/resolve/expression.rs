@@ -1,7 +1,10 @@
 //! The meaning of expressions, one kind after the other.
 
+use std::rc::Rc;
+
 use fmi2::units::{BaseUnit, Dimension};
 
+use super::frame::Placed;
 use super::meaning::{Condition, Group, Meaning, Measure, Origin, Real, Text};
 use super::measure::unit_name;
 use super::real;
@@ -12,15 +15,22 @@ use crate::scenario::{BooleanExpression, RealExpression};
 use crate::source::Span;
 use crate::syntax::{Expression, ExpressionKind as Kind, Path, Segment, Word};
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// What an expression means; `None` if that was refused, here or in something that it depends on.
-    pub fn evaluate(&self, expression: &Expression) -> Option<Meaning> {
+    pub fn evaluate(&self, expression: &Expression) -> Option<Rc<Meaning>> {
+        match &expression.kind {
+            Kind::Path(path) => self.path(path),
+            _ => self.computed(expression).map(Rc::new),
+        }
+    }
+
+    fn computed(&self, expression: &Expression) -> Option<Meaning> {
         let span = expression.span;
         match &expression.kind {
             Kind::Quantity { number, unit } => self.quantity(expression, *number, unit.as_ref()),
             Kind::Text(text) => Some(Meaning::Text(Text::Literal(text.clone()))),
             Kind::Boolean(value) => Some(Meaning::plain(BooleanExpression::Constant(*value))),
-            Kind::Path(path) => self.path(path),
+            Kind::Path(_) => unreachable!("the meaning of a path is looked up"),
             Kind::List { elements, unit } => self.list(expression, elements, unit.as_ref()),
             Kind::Call { function, arguments } => self.call(function, arguments, span),
             Kind::Negate(of) => self.negated(of),
@@ -65,7 +75,7 @@ impl Scope<'_> {
         let element = |element: &Expression| {
             let meaning = self.evaluate(element)?;
             match base {
-                Some((base, unit)) => self.with_unit(meaning, base, &unit.text, element.span),
+                Some((base, unit)) => self.with_unit(&meaning, base, &unit.text, element.span),
                 None => Some(meaning),
             }
         };
@@ -74,69 +84,75 @@ impl Scope<'_> {
     }
 
     /// Gives plain numbers the unit that stands behind their list.
-    fn with_unit(&self, meaning: Meaning, base: BaseUnit, name: &str, span: Span) -> Option<Meaning> {
-        match meaning {
+    fn with_unit(&self, meaning: &Meaning, base: BaseUnit, name: &str, span: Span) -> Option<Rc<Meaning>> {
+        let given = match meaning {
             Meaning::List(elements) => {
-                let elements = elements.into_iter().map(|element| self.with_unit(element, base, name, span));
-                elements.collect::<Option<_>>().map(Meaning::List)
+                let elements = elements.iter().map(|element| self.with_unit(element, base, name, span));
+                Meaning::List(elements.collect::<Option<_>>()?)
             }
             Meaning::Real(Real { origin: Origin::Literal { number, has_unit: false, .. }, .. }) => {
-                Some(Meaning::Real(literal(number, base, name)))
+                Meaning::Real(literal(*number, base, name))
             }
             Meaning::Real(value) if value.measure == Measure::PLAIN => {
                 let unit = Some(unit_name(name, base, true));
-                let value = real::to_si(value.expression, base);
-                Some(Meaning::Real(Real::computed(value, Measure::Known(base.dimension), unit)))
+                let value = real::to_si(value.expression.clone(), base);
+                Meaning::Real(Real::computed(value, Measure::Known(base.dimension), unit))
             }
             other => {
                 let message = format!("`{}` cannot take the unit behind the list, `{name}`", self.text(span));
-                let what = match &other {
+                let what = match other {
                     Meaning::Real(value) => self.described(value),
                     other => other.kind().to_owned(),
                 };
                 let error = Diagnostic::error("E33", span, message).saying(what);
-                self.refuse(error.help("give each element its own unit: `[1 m, 2 m]`"))
+                return self.refuse(error.help("give each element its own unit: `[1 m, 2 m]`"));
             }
-        }
+        };
+        Some(Rc::new(given))
     }
 
-    fn path(&self, path: &Path) -> Option<Meaning> {
+    fn path(&self, path: &Path) -> Option<Rc<Meaning>> {
         let root = path.root.text.as_str();
         let builtin = match root {
             "time" => Real::computed(RealExpression::Time, Measure::Known(super::grid::SECOND), None),
             "pi" => Real::plain(std::f64::consts::PI),
             _ => return self.declared(path),
         };
-        self.narrowed(Some(Meaning::Real(builtin)), path)
+        self.narrowed(Some(Rc::new(Meaning::Real(builtin))), path)
     }
 
-    fn declared(&self, path: &Path) -> Option<Meaning> {
-        match self.script.names.get(path.root.text.as_str()) {
-            Some(&Declaration::Parameter(binding)) => {
-                self.narrowed(self.binding(binding, self.assigned(binding)), path)
+    fn declared(&self, path: &Path) -> Option<Rc<Meaning>> {
+        let Some(Placed { frame, part }) = self.look_up(&path.root.text) else {
+            if path.root.text == "seed" {
+                return self.narrowed(self.implicit_seed(), path);
             }
-            Some(&Declaration::Let(binding)) => self.narrowed(self.binding(binding, &binding.value), path),
-            Some(&Declaration::Instance(..)) => self.source(self.signal(path)?, path.span),
-            Some(Declaration::Refused(_)) => None,
-            None if path.root.text == "seed" => self.narrowed(self.implicit_seed(), path),
-            None => self.refuse(self.unknown_name(&path.root, |_| true, &["time", "pi", "seed"])),
+            return self.refuse_unknown_name(&path.root, |_| true, &["time", "pi", "seed"]);
+        };
+        match part {
+            Declaration::Parameter(binding) => {
+                self.narrowed(self.at(frame).binding(binding, self.assigned(binding)), path)
+            }
+            Declaration::Let(binding) => self.narrowed(self.at(frame).binding(binding, &binding.value), path),
+            Declaration::Instance(..) => self.source(self.signal(path)?, path.span).map(Rc::new),
+            Declaration::Refused(_) => None,
         }
     }
 
     /// Follows what stands behind the name of a `let` or `param`.
-    fn narrowed(&self, meaning: Option<Meaning>, path: &Path) -> Option<Meaning> {
-        let meaning = meaning?;
-        let Some(first) = path.tail.first() else { return Some(meaning) };
-        match meaning {
+    fn narrowed(&self, meaning: Option<Rc<Meaning>>, path: &Path) -> Option<Rc<Meaning>> {
+        self.narrowed_by(meaning?, &path.tail, path)
+    }
+
+    fn narrowed_by(&self, meaning: Rc<Meaning>, tail: &[Segment], path: &Path) -> Option<Rc<Meaning>> {
+        let Some((first, rest)) = tail.split_first() else { return Some(meaning) };
+        match &*meaning {
             Meaning::Group(group) => {
-                let signal = self.walk(group.instance, group.prefix, &path.tail, path)?;
-                self.source(signal, path.span)
+                let signal = self.walk(group.instance, group.prefix.clone(), tail, path)?;
+                self.source(signal, path.span).map(Rc::new)
             }
             Meaning::List(elements) => {
                 let Segment::Index(index, span) = first else { return self.refuse(self.no_parts(path)) };
-                let ([index], rest) = (index.as_slice(), &path.tail[1..]) else {
-                    return self.refuse(self.no_parts(path));
-                };
+                let [index] = index.as_slice() else { return self.refuse(self.no_parts(path)) };
                 let at = self.whole_number(index)?;
                 let element = usize::try_from(at - 1).ok().and_then(|at| elements.get(at));
                 let Some(element) = element else {
@@ -144,8 +160,7 @@ impl Scope<'_> {
                     let help = format!("its elements go from `[1]` to `[{}]`", elements.len());
                     return self.refuse(Diagnostic::error("E22", *span, message).help(help));
                 };
-                let rest = Path { root: path.root.clone(), tail: rest.to_vec(), span: path.span };
-                self.narrowed(Some(element.clone()), &rest)
+                self.narrowed_by(Rc::clone(element), rest, path)
             }
             _ => self.refuse(self.no_parts(path)),
         }
@@ -159,7 +174,7 @@ impl Scope<'_> {
 
     fn in_unit(&self, whole: &Expression, of: &Expression, unit: &Word) -> Option<Meaning> {
         let (meaning, base) = (self.evaluate(of), self.unit_of_measure(unit, whole));
-        let (value, base) = (self.real(&meaning?, of.span)?, base?);
+        let (value, base) = (self.real(&*meaning?, of.span)?, base?);
         let Measure::Known(dimension) = value.measure else {
             let message = format!("`{}` declares no unit that could be taken out", self.text(of.span));
             return self.refuse(
@@ -182,7 +197,7 @@ impl Scope<'_> {
 
     fn as_unit(&self, whole: &Expression, of: &Expression, unit: &Word) -> Option<Meaning> {
         let (meaning, base) = (self.evaluate(of), self.unit_of_measure(unit, whole));
-        let (value, base) = (self.real(&meaning?, of.span)?, base?);
+        let (value, base) = (self.real(&*meaning?, of.span)?, base?);
         if !matches!(value.measure, Measure::Undeclared | Measure::Known(Dimension::NONE)) {
             let message = format!("`{}` has a unit already", self.text(of.span));
             let error = Diagnostic::error("E33", of.span, message).saying(self.described(&value));

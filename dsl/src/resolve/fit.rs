@@ -21,7 +21,7 @@ pub(super) enum Fitted {
     File(String),
 }
 
-/// Where a value meets its target.
+/// The places of an assignment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meeting<'p> {
     /// The value as written.
@@ -32,7 +32,7 @@ pub(super) struct Meeting<'p> {
     pub arrow: Option<&'p str>,
 }
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// The value as its target takes it.
     pub fn fit(&self, value: &Meaning, target: Port, at: Meeting<'_>) -> Option<Fitted> {
         let drive = match (&self.variable(target).kind, value) {
@@ -102,7 +102,7 @@ impl Scope<'_> {
         let error = Diagnostic::error("E02", at.source, message).saying(format!("gives {}", self.described(value)));
         let error = error.label(at.target, format!("takes {}", self.port_unit(target)));
         let (source, sink) = (self.text(at.source), self.text(at.target));
-        let unit = self.known(target.instance).unit_of(self.variable(target)).unwrap_or_default();
+        let unit = self.known(target.instance).unit_of(target.variable).unwrap_or_default();
         if value.measure == Measure::PLAIN && value.constant().is_some() {
             return error.help(format!("write the unit: `{source} {unit}`"));
         }
@@ -139,20 +139,24 @@ impl Scope<'_> {
 
     /// The value of an enumeration's item.
     pub fn item(&self, port: Port, name: &str, span: Span) -> Option<i32> {
-        let items = self.known(port.instance).items_of(self.variable(port));
+        let items = self.known(port.instance).items_of(port.variable);
         if let Some(item) = items.iter().find(|item| item.name == name) {
             return Some(item.value);
         }
         let error = Diagnostic::error("E34", span, format!("`{}` has no item `{name}`", self.port_name(port)));
-        let names = || items.iter().map(|item| item.name.as_str());
-        self.refuse(match nearest(name, names()) {
-            Some(near) => error.help(format!("did you mean \"{near}\"?")),
-            None => error.help(format!("its items are {}", listed(names()))),
+        let written = name.to_owned();
+        self.refuse_and_search(error, move |scope| {
+            let items = scope.known(port.instance).items_of(port.variable);
+            let near = nearest(&written, items.iter().map(|item| item.name.as_str()));
+            Some(match near {
+                Some(near) => format!("did you mean \"{near}\"?"),
+                None => format!("its items are {}", scope.items(port)),
+            })
         })
     }
 
     fn items(&self, port: Port) -> String {
-        let items = self.known(port.instance).items_of(self.variable(port));
+        let items = self.known(port.instance).items_of(port.variable);
         listed(items.iter().map(|item| item.name.as_str()))
     }
 

@@ -1,5 +1,7 @@
 //! Calls of functions.
 
+use std::rc::Rc;
+
 use fmi2::units::Dimension;
 
 use super::arithmetic::{Pair, is_vector, preferred};
@@ -26,10 +28,10 @@ const ANGLE: Dimension = Dimension([0, 0, 0, 0, 0, 0, 0, 1]);
 struct Call<'c> {
     name: &'c Word,
     span: Span,
-    arguments: Vec<(Meaning, Span)>,
+    arguments: Vec<(Rc<Meaning>, Span)>,
 }
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// `function(arguments)`
     pub fn call(&self, function: &Word, arguments: &[Expression], span: Span) -> Option<Meaning> {
         let name = function.text.as_str();
@@ -65,7 +67,7 @@ impl Scope<'_> {
         }
     }
 
-    fn count<const N: usize>(&self, call: &Call<'_>) -> Option<[(Meaning, Span); N]> {
+    fn count<const N: usize>(&self, call: &Call<'_>) -> Option<[(Rc<Meaning>, Span); N]> {
         if let Ok(arguments) = call.arguments.clone().try_into() {
             return Some(arguments);
         }
@@ -185,7 +187,7 @@ impl Scope<'_> {
     fn quantified(&self, call: &Call<'_>) -> Option<Meaning> {
         let mut parts = Vec::new();
         for (meaning, span) in &call.arguments {
-            match meaning {
+            match &**meaning {
                 Meaning::List(elements) => {
                     parts.extend(elements.iter().map(|element| self.as_condition(element, *span)));
                 }
@@ -226,8 +228,8 @@ impl Scope<'_> {
 
     fn file(&self, call: &Call<'_>) -> Option<Meaning> {
         let [(path, span)] = self.count(call)?;
-        match path {
-            Meaning::Text(Text::Literal(path)) => Some(Meaning::Text(Text::File(path))),
+        match &*path {
+            Meaning::Text(Text::Literal(path)) => Some(Meaning::Text(Text::File(path.clone()))),
             other => {
                 let message = format!("`file` takes the path as a text, found {}", other.kind());
                 self.refuse(Diagnostic::error("E31", span, message).help("for example `file(\"yard.csv\")`"))

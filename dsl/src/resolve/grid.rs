@@ -2,7 +2,9 @@
 
 use super::meaning::{Measure, Real};
 use super::scope::Scope;
+use super::script::Declared;
 use crate::diagnostic::Diagnostic;
+use crate::scenario::duration;
 use crate::source::Span;
 use crate::syntax::Expression;
 use fmi2::units::Dimension;
@@ -17,7 +19,7 @@ pub(super) struct Grid {
 /// How far the grid has been worked out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Known {
-    /// Nobody has asked.
+    /// Not yet asked for.
     NotYet,
     /// Asked for while `step` itself is worked out.
     InWork,
@@ -54,18 +56,7 @@ impl Written {
     }
 }
 
-/// A duration for people: `5 ms`, `1.5 s`.
-pub(super) fn duration(ns: u64) -> String {
-    let (name, unit) = match ns {
-        1_000_000_000.. | 0 => ("s", 1e9),
-        1_000_000.. => ("ms", 1e6),
-        1_000.. => ("us", 1e3),
-        _ => ("ns", 1.0),
-    };
-    format!("{} {name}", ns as f64 / unit)
-}
-
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// The grid; `None` if the script does not say a usable `step`.
     pub fn grid(&self) -> Option<Grid> {
         let step = self.script.step?;
@@ -92,8 +83,11 @@ impl Scope<'_> {
 
     /// The period of each instance in ticks; `None` if one of them is not usable.
     pub fn periods(&self) -> Option<Vec<u64>> {
-        let period = |every: Option<_>| every.map_or(Some(1), |every| self.ticks(every, Least::OneTick));
-        let periods: Vec<_> = self.script.instances.iter().map(|instance| period(instance.every)).collect();
+        let period = |instance: &Declared<'_>| match instance.every {
+            Some(every) => self.at(instance.frame).ticks(every, Least::OneTick),
+            None => Some(1),
+        };
+        let periods: Vec<_> = self.script.instances.iter().map(period).collect();
         periods.into_iter().collect()
     }
 
@@ -166,12 +160,4 @@ impl Scope<'_> {
 
 fn gcd(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { gcd(b, a % b) }
-}
-
-#[test]
-fn a_duration_is_told_in_the_unit_that_keeps_it_short() {
-    assert_eq!(duration(5_000_000), "5 ms");
-    assert_eq!(duration(12_340_000_000), "12.34 s");
-    assert_eq!(duration(250_000), "250 us");
-    assert_eq!(duration(7), "7 ns");
 }

@@ -16,6 +16,9 @@ enum Task {
     Get(Port),
     /// Set the target of a connection, by its index.
     Set(usize),
+    /// Wait until all connections into an instance are set. It stands between them and the ports that depend on all inputs,
+    /// so that n inputs and m such ports make n + m waits.
+    AllSet(usize),
 }
 
 /// Tasks of one kind and instance, which one call can do together.
@@ -27,96 +30,166 @@ struct Together {
     waiting: usize,
 }
 
+/// Whether the tasks of a group set, and their instance.
+type Group = (bool, usize);
+
 /// What is left to do.
 #[derive(Debug, Default)]
 struct Plan {
     /// What each task that is left waits for; empty once it is ready.
     waits: BTreeMap<Task, BTreeSet<Task>>,
-    /// Who waits for a task.
+    /// The tasks that wait for a task.
     waited_for: BTreeMap<Task, Vec<Task>>,
-    /// The tasks by whether they set, and by instance.
-    groups: BTreeMap<(bool, usize), Together>,
+    /// The tasks by kind and instance.
+    groups: BTreeMap<Group, Together>,
+    /// The groups that are ready as a whole.
+    whole: BTreeSet<Group>,
+    /// The groups of which some tasks are ready.
+    partly: BTreeSet<Group>,
 }
 
 impl Plan {
     fn add(&mut self, task: Task, connections: &[Wired], waits_for: BTreeSet<Task>) {
-        let together = self.groups.entry(group(task, connections)).or_default();
-        if waits_for.is_empty() {
-            together.ready.push(task);
-        } else {
-            together.waiting += 1;
-        }
         for awaited in &waits_for {
             self.waited_for.entry(*awaited).or_default().push(task);
         }
+        if let Some(group) = group(task, connections) {
+            let together = self.groups.entry(group).or_default();
+            if waits_for.is_empty() {
+                together.ready.push(task);
+            } else {
+                together.waiting += 1;
+            }
+            self.sort(group);
+        }
         self.waits.insert(task, waits_for);
+    }
+
+    /// Notes whether a group is ready after one of its tasks has changed.
+    fn sort(&mut self, group: Group) {
+        self.whole.remove(&group);
+        self.partly.remove(&group);
+        match self.groups.get(&group) {
+            Some(Together { ready, .. }) if ready.is_empty() => {}
+            Some(Together { waiting: 0, .. }) => {
+                self.whole.insert(group);
+            }
+            Some(_) => {
+                self.partly.insert(group);
+            }
+            None => {}
+        }
     }
 
     /// One task waits for another no more.
     fn release(&mut self, waiting: Task, awaited: Task, connections: &[Wired]) {
         let Some(waits_for) = self.waits.get_mut(&waiting) else { return };
-        if waits_for.remove(&awaited) && waits_for.is_empty() {
-            let together = self.groups.entry(group(waiting, connections)).or_default();
-            together.ready.push(waiting);
-            together.waiting -= 1;
+        if !waits_for.remove(&awaited) || !waits_for.is_empty() {
+            return;
+        }
+        match group(waiting, connections) {
+            Some(group) => {
+                let together = self.groups.entry(group).or_default();
+                together.ready.push(waiting);
+                together.waiting -= 1;
+                self.sort(group);
+            }
+            None => self.done(waiting, connections),
+        }
+    }
+
+    fn done(&mut self, task: Task, connections: &[Wired]) {
+        self.waits.remove(&task);
+        for waiting in self.waited_for.remove(&task).unwrap_or_default() {
+            self.release(waiting, task, connections);
         }
     }
 
     /// Takes the first group that is ready as a whole, else all that is ready of the first one that has any.
     fn take(&mut self, connections: &[Wired]) -> Option<Vec<Task>> {
-        let ready = || self.groups.iter().filter(|(_, together)| !together.ready.is_empty());
-        let key = *ready().find(|(_, together)| together.waiting == 0).or_else(|| ready().next())?.0;
-        let mut tasks = std::mem::take(&mut self.groups.get_mut(&key)?.ready);
+        let group = *self.whole.first().or_else(|| self.partly.first())?;
+        let mut tasks = std::mem::take(&mut self.groups.get_mut(&group)?.ready);
+        self.sort(group);
         tasks.sort_unstable();
         for task in &tasks {
-            self.waits.remove(task);
-            for waiting in self.waited_for.remove(task).unwrap_or_default() {
-                self.release(waiting, *task, connections);
-            }
+            self.done(*task, connections);
         }
         Some(tasks)
     }
+
+    /// One port waits for the other inputs of its instance, but for this one no more.
+    fn release_from_one(&mut self, port: Task, awaited: Task, connections: &[Wired]) {
+        let waits_for = self.waits.get(&port);
+        let all_set = waits_for.and_then(|waits_for| waits_for.iter().find(|task| matches!(task, Task::AllSet(_))));
+        if let Some(all_set) = all_set.copied() {
+            let inputs = self.waits.get(&all_set).cloned().unwrap_or_default();
+            for input in &inputs {
+                self.waited_for.entry(*input).or_default().push(port);
+            }
+            if let Some(waits_for) = self.waits.get_mut(&port) {
+                waits_for.extend(inputs);
+                waits_for.remove(&all_set);
+            }
+        }
+        self.release(port, awaited, connections);
+    }
 }
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// The steps of initialization; `None` if initial values wait for each other.
     pub fn initialization(&self, connections: &[Wired], presets: &[Vec<Preset>]) -> Option<Vec<InitialStep>> {
         let mut plan = self.plan(connections);
+        let has_value: BTreeSet<Port> = presets
+            .iter()
+            .enumerate()
+            .flat_map(|(instance, presets)| {
+                presets.iter().map(move |preset| Port { instance, variable: preset.variable })
+            })
+            .collect();
         let mut steps = Vec::new();
-        while !plan.waits.is_empty() {
+        loop {
             if let Some(tasks) = plan.take(connections) {
                 steps.push(step(&tasks, connections));
                 continue;
             }
+            if plan.waits.is_empty() {
+                return Some(steps);
+            }
             let circle = circle(&plan.waits);
-            let is_preset = |task: &Task| match task {
-                Task::Set(index) => {
-                    let Port { instance, variable } = connections[*index].connection.target;
-                    presets[instance].iter().any(|preset| preset.variable == variable)
-                }
-                Task::Get(_) => false,
-            };
+            let is_preset = |task: &Task| matches!(task, Task::Set(set) if has_value.contains(&connections[*set].connection.target));
             let Some(known) = circle.iter().position(is_preset) else {
                 return self.refuse(self.circle_of_values(&circle, connections));
             };
-            plan.release(circle[(known + 1) % circle.len()], circle[known], connections);
+            plan.release_from_one(circle[(known + 1) % circle.len()], circle[known], connections);
         }
-        Some(steps)
     }
 
     fn plan(&self, connections: &[Wired]) -> Plan {
         let index_of: BTreeMap<Port, usize> =
             connections.iter().enumerate().map(|(index, wired)| (wired.connection.target, index)).collect();
+        let driven = |instance: usize| {
+            let inputs = Port { instance, variable: 0 }..=Port { instance, variable: usize::MAX };
+            index_of.range(inputs).map(|(_, index)| Task::Set(*index)).collect::<BTreeSet<_>>()
+        };
         let mut plan = Plan::default();
         for port in self.sources(connections) {
-            let inputs = self.initial_dependencies(port);
-            let own = Port { variable: 0, ..port }..=Port { variable: usize::MAX, ..port };
-            let driven = index_of
-                .range(own)
-                .filter(|(target, _)| inputs.as_ref().is_none_or(|inputs| inputs.contains(&target.variable)));
-            let waits_for = driven.map(|(_, index)| Task::Set(*index)).collect();
+            let waits_for = match self.initial_dependencies(port) {
+                Some(inputs) => {
+                    let targets = inputs.iter().map(|&variable| Port { variable, ..port });
+                    targets.filter_map(|target| index_of.get(&target)).map(|index| Task::Set(*index)).collect()
+                }
+                None => {
+                    let all_set = Task::AllSet(port.instance);
+                    if !plan.waits.contains_key(&all_set) {
+                        plan.add(all_set, connections, driven(port.instance));
+                    }
+                    let is_driven = plan.waits.get(&all_set).is_some_and(|inputs| !inputs.is_empty());
+                    if is_driven { BTreeSet::from([all_set]) } else { BTreeSet::new() }
+                }
+            };
             plan.add(Task::Get(port), connections, waits_for);
         }
+        plan.waits.retain(|task, waits_for| !(matches!(task, Task::AllSet(_)) && waits_for.is_empty()));
         for (index, wired) in connections.iter().enumerate() {
             let waits_for = self.read_by(&wired.connection.source).into_iter().map(Task::Get).collect();
             plan.add(Task::Set(index), connections, waits_for);
@@ -125,28 +198,28 @@ impl Scope<'_> {
     }
 
     /// The variables that the initial value of a variable depends on; `None` for all.
-    fn initial_dependencies(&self, port: Port) -> Option<Vec<usize>> {
-        let (description, variable) = (self.known(port.instance), self.variable(port));
+    fn initial_dependencies(&self, port: Port) -> Option<&[usize]> {
+        let (unit, variable) = (self.known(port.instance), self.variable(port));
         let is_given = matches!(variable.causality, Causality::Parameter | Causality::Independent)
             || variable.variability == Variability::Constant
             || variable.initial_or_default() == Some(Initial::Exact);
         if is_given {
-            return Some(Vec::new());
+            return Some(&[]);
         }
-        let unknowns = &description.structure.initial_unknowns;
-        unknowns.iter().find(|unknown| unknown.index == port.variable)?.dependencies.clone()
+        unit.initial_unknown(port.variable)?.dependencies.as_deref()
     }
 
     fn circle_of_values(&self, circle: &[Task], connections: &[Wired]) -> Diagnostic {
         let name = |task: &Task| match task {
             Task::Get(port) => self.port_name(*port),
             Task::Set(index) => self.port_name(connections[*index].connection.target),
+            Task::AllSet(instance) => self.script.instances[*instance].name.text.clone(),
         };
         let names: Vec<_> = circle.iter().chain(circle.first()).map(name).collect();
         let message = format!("these initial values wait for each other: {}", names.join(" -> "));
         let sets = circle.iter().filter_map(|task| match task {
             Task::Set(index) => Some(*index),
-            Task::Get(_) => None,
+            Task::Get(_) | Task::AllSet(_) => None,
         });
         let sets: Vec<usize> = sets.collect();
         let Some((&first, rest)) = sets.split_first() else {
@@ -163,11 +236,12 @@ impl Scope<'_> {
     }
 }
 
-/// Whether a task sets, and the instance that it speaks to.
-fn group(task: Task, connections: &[Wired]) -> (bool, usize) {
+/// The group of a task; what only waits has none.
+fn group(task: Task, connections: &[Wired]) -> Option<Group> {
     match task {
-        Task::Get(port) => (false, port.instance),
-        Task::Set(index) => (true, connections[index].connection.target.instance),
+        Task::Get(port) => Some((false, port.instance)),
+        Task::Set(index) => Some((true, connections[index].connection.target.instance)),
+        Task::AllSet(_) => None,
     }
 }
 
@@ -183,6 +257,7 @@ fn step(tasks: &[Task], connections: &[Wired]) -> InitialStep {
                 instance = connections[*index].connection.target.instance;
                 indices.push(*index);
             }
+            Task::AllSet(_) => unreachable!("what only waits is in no group"),
         }
     }
     if indices.is_empty() {
@@ -195,13 +270,16 @@ fn step(tasks: &[Task], connections: &[Wired]) -> InitialStep {
 /// A circle among tasks of which none is ready, in the direction in which values travel.
 fn circle(waits: &BTreeMap<Task, BTreeSet<Task>>) -> Vec<Task> {
     let mut walked: Vec<Task> = Vec::new();
+    let mut steps: BTreeMap<Task, usize> = BTreeMap::new();
     let mut at = waits.keys().next().copied();
     while let Some(task) = at {
-        if let Some(start) = walked.iter().position(|walked| *walked == task) {
+        if let Some(&start) = steps.get(&task) {
             let mut circle = walked.split_off(start);
             circle.reverse();
+            circle.retain(|task| !matches!(task, Task::AllSet(_)));
             return circle;
         }
+        steps.insert(task, walked.len());
         walked.push(task);
         at = waits.get(&task).and_then(|waits_for| waits_for.first().copied());
     }

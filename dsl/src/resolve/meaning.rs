@@ -1,12 +1,14 @@
 //! What an expression can mean.
 
+use std::rc::Rc;
+
 use fmi2::units::{BaseUnit, Dimension};
 
 use crate::scenario::{BooleanExpression, Limit, Margin, MarginUnit, Port, RealExpression, TickWindow};
 use crate::source::Span;
 use crate::syntax::TemporalWord;
 
-/// The meaning of an expression. Parts without meaning were reported and are `None` where a meaning is expected.
+/// The meaning of an expression. A part without meaning was reported and is `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Meaning {
     /// A real number, in SI.
@@ -20,7 +22,7 @@ pub(super) enum Meaning {
     /// A text.
     Text(Text),
     /// A list literal, picked members, or a computed vector.
-    List(Vec<Meaning>),
+    List(Vec<Rc<Meaning>>),
     /// A group as a unit names it.
     Group(Group),
 }
@@ -115,14 +117,14 @@ pub(super) enum Condition {
     Temporal(Temporal),
 }
 
-/// A comparison of reals with what a report tells about it.
+/// A comparison of reals with what a report shows of it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Bound {
     /// The distance from the limit.
     pub margin: Margin,
     /// What the margin measures.
     pub measure: Measure,
-    /// The unit to tell it in.
+    /// The unit in which the margin is shown.
     pub unit: MarginUnit,
     /// The limit, if one side is constant.
     pub limit: Option<Limit>,
@@ -135,13 +137,13 @@ pub(super) struct Bound {
 /// A temporal word with its window.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Temporal {
-    /// Which word.
+    /// The keyword.
     pub word: TemporalWord,
     /// Where it stands.
     pub span: Span,
     /// Its window.
     pub window: TickWindow,
-    /// What it speaks about.
+    /// What must hold in the window.
     pub body: Box<Condition>,
 }
 
@@ -271,7 +273,7 @@ impl Meaning {
             Self::Integer(_) | Self::Item(_) | Self::Group(_) | Self::Text(Text::Port(_)) => false,
             Self::Condition(condition) => matches!(condition.boolean(), Ok(BooleanExpression::Constant(_))),
             Self::Text(Text::Literal(_) | Text::File(_)) => true,
-            Self::List(elements) => elements.iter().all(Self::is_constant),
+            Self::List(elements) => elements.iter().all(|element| element.is_constant()),
         }
     }
 
@@ -280,7 +282,7 @@ impl Meaning {
         match self {
             Self::Real(real) => real_size(&real.expression),
             Self::Condition(condition) => condition.size(),
-            Self::List(elements) => 1 + elements.iter().map(Self::size).sum::<usize>(),
+            Self::List(elements) => 1 + elements.iter().map(|element| element.size()).sum::<usize>(),
             Self::Integer(_) | Self::Item(_) | Self::Text(_) | Self::Group(_) => 1,
         }
     }

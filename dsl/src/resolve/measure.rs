@@ -1,4 +1,4 @@
-//! Units of measure of ports, and how findings speak about them.
+//! Units of measure of ports, and their names in messages.
 
 use fmi2::description::{Kind, Variable};
 use fmi2::units::{BaseUnit, Dimension};
@@ -36,7 +36,7 @@ const QUANTITIES: [([i8; 8], &str); 22] = [
     ([0, 3, -1, 0, 0, 0, 0, 0], "a volume flow"),
 ];
 
-/// `a force`, or the base units where there is no word for it.
+/// `a force`, or the base units where it has no common name.
 pub(super) fn quantity(dimension: Dimension) -> String {
     let word = QUANTITIES.iter().find(|(exponents, _)| *exponents == dimension.0);
     word.map_or_else(|| format!("a quantity in {dimension}"), |(_, word)| (*word).to_owned())
@@ -61,7 +61,7 @@ pub(super) fn si_name(dimension: Dimension) -> String {
     name
 }
 
-/// A unit for people; on a scale with an offset, differences are told in SI.
+/// A unit for people; on a scale with an offset, differences are in SI.
 pub(super) fn unit_name(name: &str, base: BaseUnit, written: bool) -> UnitName {
     let unit = if base.offset == 0.0 {
         MarginUnit { name: name.to_owned(), factor: base.factor }
@@ -71,16 +71,15 @@ pub(super) fn unit_name(name: &str, base: BaseUnit, written: bool) -> UnitName {
     UnitName { unit, spelt: name.to_owned(), written }
 }
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// The declared unit of a Real variable; `None` if nothing but perhaps a name is known.
     pub fn declared_unit(&self, port: Port) -> Option<BaseUnit> {
-        let description = self.known(port.instance);
-        description.unit(description.unit_of(self.variable(port))?)?.base
+        self.known(port.instance).base_of(port.variable)
     }
 
     /// The value of a Real variable, in SI.
     pub fn real_port(&self, port: Port) -> Real {
-        let name = self.known(port.instance).unit_of(self.variable(port)).unwrap_or_default();
+        let name = self.known(port.instance).unit_of(port.variable).unwrap_or_default();
         let signal = RealExpression::Signal(port);
         let (expression, measure, unit) = match self.declared_unit(port) {
             Some(base) => (real::to_si(signal, base), Measure::Known(base.dimension), unit_name(name, base, false)),
@@ -93,7 +92,7 @@ impl Scope<'_> {
     pub fn port_unit(&self, port: Port) -> String {
         let owner = &self.script.instances[port.instance].unit.text;
         let variable: &Variable = self.variable(port);
-        let name = self.known(port.instance).unit_of(variable);
+        let name = self.known(port.instance).unit_of(port.variable);
         match (name, self.declared_unit(port)) {
             (Some(name), Some(base)) => match base.dimension.to_string() {
                 si if si == name => format!("{name}  ({owner})"),
@@ -120,7 +119,7 @@ impl Scope<'_> {
         }
     }
 
-    /// Warns that a quantity meets a variable without unit.
+    /// Warns that a quantity is passed to a variable without unit.
     pub fn warn_undeclared(&self, value: &Real, span: Span, variable: &str) {
         let (Origin::Literal { number, base, has_unit: true }, Some(si)) = (value.origin, value.constant()) else {
             return;
@@ -152,7 +151,7 @@ fn a_dimension_is_written_as_a_script_can_read_it() {
 }
 
 #[test]
-fn a_number_is_told_with_six_decimals_at_most() {
+fn a_number_is_shown_with_six_decimals_at_most() {
     assert_eq!(six_digits(-0.333_333_333), "-0.333333");
     assert_eq!(six_digits(3.0), "3");
     assert_eq!(six_digits(1e-9), "0.000000001");

@@ -1,8 +1,8 @@
-//! From what was written to what is meant: names, types, units of measure, times and claims, checked against the units'
+//! Resolves a syntax tree to a scenario: names, types, units of measure, times and claims, checked against the units'
 //! descriptions. Next on the walk: `scenario.rs`.
 //!
-//! Every error of a script is found in one pass and none is a consequence of another: a part that has no meaning is
-//! `None` from there on, and whatever depends on it stays silent. The passes, in order: `script` sorts the statements,
+//! One pass finds all errors of a script, and none is a consequence of another: a part without meaning is `None`, and what
+//! depends on it reports nothing. The passes, in order: `script` sorts the statements,
 //! `parameter` fixes the parameters, `grid` the times, then come `preset`, `wire`, `event` and `claim` over
 //! `expression`, and at last `wave`, `initial` and `column` over the connections.
 //!
@@ -18,7 +18,7 @@
 //! | E08 | a time off the grid of `step` |
 //! | E09 | a claim that looks past the end of the run |
 //! | E10 | margins of different dimensions in one claim |
-//! | E11 | what was written as a unit of measure is none, or is a name of the script too |
+//! | E11 | not a unit of measure, or a name of the script too |
 //! | E12 | a temporal word over `and` or `or` without parentheses |
 //! | E20 | a part of the language that this version does not know yet |
 //! | E21 | types do not agree |
@@ -40,22 +40,18 @@
 //! | E37 | a value of `--set` of another kind than the parameter's |
 //! | E38 | a number out of range |
 //! | E39 | a value that is too large or too deeply nested to be meant |
-//! | W01 | a quantity meets a variable that declares no unit |
+//! | W01 | a quantity is passed to a variable that declares no unit |
 //! | W02 | an input without driver and start value |
 //! | W03 | two instances of one unit draw the same random numbers |
 //! | W04 | a window that opens after the end of the run |
 //! | W05 | a unit that needs another program |
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
-
-use fmi2::description::ModelDescription;
-
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::Diagnostic;
+use crate::loader::Loader;
 use crate::parse::with_stack;
 use crate::scenario::{Instance, Scenario};
 use crate::source::Sources;
-use crate::syntax::{Binding, File, StatementKind, Word};
+use crate::syntax::{Binding, File};
 
 mod arithmetic;
 mod assign;
@@ -64,7 +60,9 @@ mod column;
 mod comparison;
 mod event;
 mod expression;
+mod findings;
 mod fit;
+mod frame;
 mod function;
 mod grid;
 mod initial;
@@ -78,6 +76,7 @@ mod scope;
 mod script;
 mod signal;
 mod temporal;
+mod unit;
 mod unit_name;
 mod wave;
 mod wire;
@@ -85,34 +84,22 @@ mod wire;
 #[cfg(test)]
 mod tests;
 
-use scope::Scope;
-
-/// Why a unit cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct UnitProblem {
-    /// What is wrong, in one line without a full stop.
-    pub message: String,
-    /// How to mend it.
-    pub help: Option<String>,
-}
-
-/// What is known about the units of a script, by the text of its `fmu` line.
-pub type Units = BTreeMap<String, Result<Arc<ModelDescription>, UnitProblem>>;
+use scope::{Scope, Shared};
 
 /// What there is to resolve.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Request<'a> {
     /// All texts that spans point into.
     pub sources: &'a Sources,
     /// The script.
     pub file: &'a File,
-    /// An entry for each of [`units`].
-    pub units: &'a Units,
+    /// Answers for the units and files that the script names.
+    pub loader: &'a dyn Loader,
     /// Assignments of the command line, in order; a later one counts.
     pub settings: &'a [Binding],
 }
 
-/// What came of it.
+/// The result.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Resolved {
     /// The scenario; `None` if and only if an error is among the diagnostics.
@@ -121,37 +108,22 @@ pub struct Resolved {
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// The names and paths of the units that a script needs, each once, in order.
-#[must_use]
-pub fn units(file: &File) -> Vec<&Word> {
-    let mut found: Vec<&Word> = Vec::new();
-    for statement in &file.statements {
-        if let StatementKind::Fmu(instance) = &statement.kind
-            && !found.iter().any(|word| word.text == instance.unit.text)
-        {
-            found.push(&instance.unit);
-        }
-    }
-    found
-}
-
-/// Finds out what a script means, or everything that is wrong with it.
+/// Resolves a script to a scenario, or returns everything that is wrong with it.
 #[must_use]
 pub fn resolve(request: &Request<'_>) -> Resolved {
     with_stack(|| {
-        let scope = Scope::new(*request);
-        let scenario = scenario(&scope);
-        let (mut diagnostics, rises) = scope.finish();
-        diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span));
-        let failed = diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error);
-        let scenario = scenario.filter(|_| !failed).map(|scenario| Scenario { rises, ..scenario });
+        let shared = Shared::new(*request);
+        let scenario = scenario(shared.top());
+        let failed = shared.failed();
+        let (diagnostics, conditions) = shared.finish();
+        let scenario = scenario.filter(|_| !failed).map(|scenario| Scenario { conditions, ..scenario });
         assert!(failed || scenario.is_some(), "a script without an error has a meaning");
         Resolved { scenario, diagnostics }
     })
 }
 
 /// Every pass runs, whatever an earlier one found, so that all errors come at once.
-fn scenario(scope: &Scope<'_>) -> Option<Scenario> {
+fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
     let parameters = scope.parameters();
     scope.evaluate_lets();
     let grid = scope.grid();
@@ -187,7 +159,7 @@ fn scenario(scope: &Scope<'_>) -> Option<Scenario> {
         initialization,
         connections: connections.into_iter().map(|wired| wired.connection).collect(),
         events,
-        rises: Vec::new(),
+        conditions: Vec::new(),
         claims,
         columns,
     })

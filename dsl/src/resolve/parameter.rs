@@ -1,5 +1,7 @@
 //! The script's parameters and what the command line makes of them.
 
+use std::rc::Rc;
+
 use super::meaning::{Meaning, Origin, Real, Text};
 use super::measure::{quantity, si_name};
 use super::scope::Scope;
@@ -11,21 +13,21 @@ use crate::syntax::{Binding, Expression};
 use super::meaning::{Condition, Measure};
 use crate::nearest::nearest;
 
-impl<'a> Scope<'a> {
+impl<'a> Scope<'_, 'a> {
     /// The value of a parameter as written: that of the command line, else its own.
     pub fn assigned(&self, parameter: &'a Binding) -> &'a Expression {
         self.setting(&parameter.name.text).map_or(&parameter.value, |setting| &setting.value)
     }
 
     fn setting(&self, name: &str) -> Option<&'a Binding> {
-        self.request.settings.iter().rev().find(|setting| setting.name.text == name)
+        self.shared.settings.get(name).copied()
     }
 
     /// The value of `seed` in a script that does not declare it.
-    pub fn implicit_seed(&self) -> Option<Meaning> {
+    pub fn implicit_seed(&self) -> Option<Rc<Meaning>> {
         match self.setting("seed") {
             Some(setting) => self.evaluate(&setting.value),
-            None => Some(Meaning::Real(Real::plain(1.0))),
+            None => Some(Rc::new(Meaning::Real(Real::plain(1.0)))),
         }
     }
 
@@ -33,8 +35,8 @@ impl<'a> Scope<'a> {
     pub fn parameters(&self) -> Vec<Parameter> {
         self.check_settings();
         let mut parameters: Vec<_> =
-            self.script.parameters.iter().filter_map(|parameter| self.parameter(parameter)).collect();
-        if !self.script.names.contains_key("seed") {
+            self.shared.script.parameters.iter().filter_map(|it| self.at(it.frame).parameter(it.part)).collect();
+        if self.look_up("seed").is_none() {
             let set = self.setting("seed");
             let value = match (set, self.implicit_seed()) {
                 (Some(setting), Some(value)) => {
@@ -53,8 +55,8 @@ impl<'a> Scope<'a> {
         let value = self.binding(parameter, self.assigned(parameter));
         if let Some(setting) = setting {
             let declared = self.evaluate(&parameter.value);
-            if let (Some(value), Some(declared)) = (&value, declared) {
-                self.check_kind(setting, value, &declared);
+            if let (Some(value), Some(declared)) = (&value, &declared) {
+                self.check_kind(setting, value, declared);
             }
         }
         let (value, place) = (value?, self.assigned(parameter).span);
@@ -67,11 +69,13 @@ impl<'a> Scope<'a> {
     fn check_settings(&self) {
         for setting in self.request.settings {
             let name = setting.name.text.as_str();
-            if name == "seed" || matches!(self.script.names.get(name), Some(Declaration::Parameter(_))) {
+            let declared = self.look_up(name).map(|found| found.part);
+            if name == "seed" || matches!(declared, Some(Declaration::Parameter(_))) {
                 continue;
             }
             let error = Diagnostic::error("E01", setting.name.span, format!("the script has no parameter `{name}`"));
-            let names = || self.script.parameters.iter().map(|parameter| parameter.name.text.as_str()).chain(["seed"]);
+            let parameters = || self.script.parameters.iter().map(|parameter| parameter.part.name.text.as_str());
+            let names = || parameters().chain(["seed"]);
             let help = match nearest(name, names()) {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("its parameters are {}", names().collect::<Vec<_>>().join(", ")),
@@ -84,7 +88,7 @@ impl<'a> Scope<'a> {
         if alike(value, declared) {
             return;
         }
-        let (name, told) = (&setting.name.text, |meaning: &Meaning| match meaning {
+        let (name, shown) = (&setting.name.text, |meaning: &Meaning| match meaning {
             Meaning::Real(value) => match value.measure {
                 Measure::Known(dimension) => quantity(dimension),
                 Measure::Undeclared => meaning.kind().to_owned(),
@@ -92,8 +96,8 @@ impl<'a> Scope<'a> {
             Meaning::List(elements) => format!("a list of {}", elements.len()),
             other => other.kind().to_owned(),
         });
-        let message = format!("`{name}` cannot be set to this: its own value is {}", told(declared));
-        let error = Diagnostic::error("E37", setting.value.span, message).saying(told(value));
+        let message = format!("`{name}` cannot be set to this: its own value is {}", shown(declared));
+        let error = Diagnostic::error("E37", setting.value.span, message).saying(shown(value));
         let example = typed_again(declared).unwrap_or_default();
         self.report(error.help(format!("write a value of the same kind, for example `{name} = {example}`")));
     }
@@ -126,7 +130,7 @@ fn typed_again(value: &Meaning) -> Option<String> {
         Meaning::Text(Text::Literal(text)) => Some(format!("\"{text}\"")),
         Meaning::Text(Text::File(path)) => Some(format!("file(\"{path}\")")),
         Meaning::List(elements) => {
-            let elements: Option<Vec<_>> = elements.iter().map(typed_again).collect();
+            let elements: Option<Vec<_>> = elements.iter().map(|element| typed_again(element)).collect();
             Some(format!("[{}]", elements?.join(", ")))
         }
         Meaning::Integer(_) | Meaning::Item(_) | Meaning::Text(Text::Port(_)) | Meaning::Group(_) => None,

@@ -13,7 +13,7 @@ use crate::scenario::{BooleanExpression, Drive, Port, Preset, RealExpression, Va
 use crate::source::Span;
 use crate::syntax;
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// The presets of each instance.
     pub fn presets(&self) -> Vec<Vec<Preset>> {
         (0..self.script.instances.len()).map(|instance| self.presets_of(instance)).collect()
@@ -38,10 +38,11 @@ impl Scope<'_> {
     }
 
     fn preset(&self, instance: usize, value: &syntax::Value) -> Option<Vec<Preset>> {
-        let meaning = self.evaluate(&value.value);
+        let scope = self.at(self.script.instances[instance].frame);
+        let meaning = scope.evaluate(&value.value);
         let at = Meeting { source: value.value.span, target: value.key.span, arrow: None };
         let tail = std::iter::once(syntax::Segment::Field(value.key.root.clone())).chain(value.key.tail.clone());
-        let signal = self.walk(instance, String::new(), &tail.collect::<Vec<_>>(), &value.key);
+        let signal = scope.walk(instance, String::new(), &tail.collect::<Vec<_>>(), &value.key);
         let signal = self.touchable(Role::Preset, signal?, at);
         let (meaning, signal) = (meaning?, signal?);
         if !meaning.is_constant() {
@@ -61,11 +62,12 @@ impl Scope<'_> {
         let driven: BTreeSet<Port> = connections.iter().map(|wired| wired.connection.target).collect();
         for (instance, declared) in self.script.instances.iter().enumerate() {
             let Some(description) = self.description(instance) else { continue };
+            let given: BTreeSet<usize> = presets[instance].iter().map(|preset| preset.variable).collect();
             let lacks = |(variable, declared): &(usize, &fmi2::description::Variable)| {
                 let port = Port { instance, variable: *variable };
                 declared.causality == Causality::Input
                     && !declared.has_start()
-                    && !presets[instance].iter().any(|preset| preset.variable == *variable)
+                    && !given.contains(variable)
                     && !driven.contains(&port)
             };
             let names: Vec<_> =
@@ -82,11 +84,11 @@ impl Scope<'_> {
     /// Warns of instances that draw the same random numbers.
     pub fn warn_of_equal_noise(&self, presets: &[Vec<Preset>]) {
         let instances = &self.script.instances;
-        let noise: Vec<_> = (0..instances.len()).map(|instance| self.noise(instance, presets)).collect();
-        for (later, declared) in instances.iter().enumerate().filter(|(later, _)| noise[*later].is_some()) {
-            let twin = (0..later)
-                .find(|&earlier| instances[earlier].unit.text == declared.unit.text && noise[earlier] == noise[later]);
-            if let Some(twin) = twin {
+        let mut first_of: BTreeMap<(&str, String), usize> = BTreeMap::new();
+        for (later, declared) in instances.iter().enumerate() {
+            let Some(noise) = self.noise(later, presets) else { continue };
+            let twin = *first_of.entry((&declared.unit.text, format!("{noise:?}"))).or_insert(later);
+            if twin != later {
                 let (first, second) = (&instances[twin].name, declared.name);
                 let message = format!("`{}` and `{}` draw the same random numbers", first.text, second.text);
                 let warning =

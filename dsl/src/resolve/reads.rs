@@ -6,7 +6,7 @@ use super::scope::Scope;
 use super::wire::Wired;
 use crate::scenario::{Drive, Formula, Port};
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// All ports that connections read.
     pub fn sources(&self, connections: &[Wired]) -> BTreeSet<Port> {
         connections.iter().flat_map(|wired| self.read_by(&wired.connection.source)).collect()
@@ -15,7 +15,7 @@ impl Scope<'_> {
     /// The ports that a driver reads.
     pub fn read_by(&self, drive: &Drive) -> BTreeSet<Port> {
         let mut ports = BTreeSet::new();
-        drive.reads(&self.rises.borrow(), &mut |port| {
+        drive.reads(&self.conditions.borrow().by_slot, &mut |port| {
             ports.insert(port);
         });
         ports
@@ -23,7 +23,7 @@ impl Scope<'_> {
 
     /// Adds the ports that a claim reads.
     pub fn of_formula(&self, formula: &Formula, ports: &mut BTreeSet<Port>) {
-        formula.reads(&self.rises.borrow(), &mut |port| {
+        formula.reads(&self.conditions.borrow().by_slot, &mut |port| {
             ports.insert(port);
         });
     }

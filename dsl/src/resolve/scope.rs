@@ -1,62 +1,111 @@
 //! What the names of a script mean, each worked out once, and what was found wrong so far.
+//!
+//! [`Shared`] holds all of that; a [`Scope`] is a small handle that says in which frame names are looked up.
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
+use std::ops::Deref;
+use std::rc::Rc;
 
-use fmi2::description::{ModelDescription, Variable};
+use fmi2::description::Variable;
+use fmi2::units::BaseUnit;
 
 use super::Request;
+use super::findings::{Findings, Search};
+use super::frame::{FrameId, Placed};
 use super::grid::Known;
 use super::meaning::Meaning;
 use super::script::{Declaration, Script};
-use crate::diagnostic::{Diagnostic, Severity};
+use super::unit::Unit;
+use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
-use crate::scenario::{BooleanExpression, Port};
+use crate::scenario::{BooleanExpression, Condition, Port};
 use crate::source::Span;
-use crate::syntax::{Binding, Word};
+use crate::syntax::{Binding, Expression, Word};
 
 /// A script with what is known about it.
-pub(super) struct Scope<'a> {
-    /// What was handed in.
+pub(super) struct Shared<'a> {
+    /// What is resolved.
     pub request: Request<'a>,
     /// The sorted statements.
     pub script: Script<'a>,
+    /// The assignments of the command line by name; of several the last one counts.
+    pub(super) settings: BTreeMap<&'a str, &'a Binding>,
     pub(super) grid: Cell<Known>,
-    findings: RefCell<Vec<Diagnostic>>,
-    bindings: RefCell<BTreeMap<&'a str, Option<Meaning>>>,
-    open: RefCell<Vec<&'a Word>>,
-    pub(super) rises: RefCell<Vec<BooleanExpression>>,
+    findings: RefCell<Findings>,
+    /// The meanings of `let` and `param`.
+    bindings: RefCell<Meanings<'a>>,
+    /// The names whose meanings are being worked out.
+    open: RefCell<Vec<(FrameId, &'a Word)>>,
+    pub(super) conditions: RefCell<Conditions>,
+    /// What drives each input, as far as connections have been worked out.
+    pub(super) driven_by: RefCell<BTreeMap<Port, Span>>,
+    /// The units of measure that loaded units define, each with the first instance whose unit does.
+    pub(super) loaded: BTreeMap<String, (BaseUnit, usize)>,
 }
 
-impl<'a> Scope<'a> {
+/// The meanings of names, by the frame that declares them; `None` if there is none.
+type Meanings<'a> = BTreeMap<(FrameId, &'a str), Option<Rc<Meaning>>>;
+
+/// The conditions that a run follows from sample to sample, each once.
+#[derive(Default)]
+pub(super) struct Conditions {
+    /// The conditions by slot.
+    pub by_slot: Vec<Condition>,
+    /// The slots by the conditions' text, which is equal where they are.
+    slots: BTreeMap<String, usize>,
+}
+
+/// The names of one frame, and all that is shared between frames.
+#[derive(Clone, Copy)]
+pub(super) struct Scope<'s, 'a> {
+    /// What all frames share.
+    pub shared: &'s Shared<'a>,
+    /// Where names are looked up.
+    frame: FrameId,
+}
+
+impl<'a> Deref for Scope<'_, 'a> {
+    type Target = Shared<'a>;
+
+    fn deref(&self) -> &Shared<'a> {
+        self.shared
+    }
+}
+
+impl<'a> Shared<'a> {
     /// Sorts the statements.
     pub fn new(request: Request<'a>) -> Self {
-        let findings = RefCell::default();
-        let script = Script::new(&request, &findings);
+        let mut findings = Findings::default();
+        let script = Script::new(&request, &mut findings);
         Self {
             request,
+            loaded: super::unit_name::loaded(&script),
             script,
+            settings: request.settings.iter().map(|setting| (setting.name.text.as_str(), setting)).collect(),
             grid: Cell::new(Known::NotYet),
-            findings,
+            findings: RefCell::new(findings),
             bindings: RefCell::default(),
             open: RefCell::default(),
-            rises: RefCell::default(),
+            conditions: RefCell::default(),
+            driven_by: RefCell::default(),
         }
     }
 
-    /// Everything that was found, and the conditions of `rises`.
-    pub fn finish(self) -> (Vec<Diagnostic>, Vec<BooleanExpression>) {
-        (self.findings.into_inner(), self.rises.into_inner())
+    /// The frame of the script.
+    pub fn top(&self) -> Scope<'_, 'a> {
+        Scope { shared: self, frame: FrameId::SCRIPT }
     }
 
-    /// Notes a finding; that a place meets variables without unit is told once.
+    /// Everything that was found, and the conditions by slot.
+    pub fn finish(&self) -> (Vec<Diagnostic>, Vec<Condition>) {
+        let findings = self.findings.take().finish(self.top());
+        (findings, self.conditions.take().by_slot)
+    }
+
+    /// Notes a finding, once for each code and place.
     pub fn report(&self, finding: Diagnostic) {
-        let mut findings = self.findings.borrow_mut();
-        let place = |finding: &Diagnostic| finding.labels.first().map(|label| label.span);
-        let is_told = |known: &Diagnostic| known.code == "W01" && place(known) == place(&finding);
-        if finding.code != "W01" || !findings.iter().any(is_told) {
-            findings.push(finding);
-        }
+        self.findings.borrow_mut().add(finding, None);
     }
 
     /// Notes an error; the part it is about has no meaning.
@@ -67,46 +116,60 @@ impl<'a> Scope<'a> {
 
     /// Whether an error was found so far.
     pub fn failed(&self) -> bool {
-        self.findings.borrow().iter().any(|finding| finding.severity == Severity::Error)
-    }
-
-    /// Asks something without noting what is found wrong on the way.
-    pub fn quietly<T>(&self, ask: impl FnOnce(&Self) -> T) -> T {
-        let (known, bindings, grid) = (self.findings.borrow().len(), self.bindings.borrow().clone(), self.grid.get());
-        let answer = ask(self);
-        self.findings.borrow_mut().truncate(known);
-        *self.bindings.borrow_mut() = bindings;
-        self.grid.set(grid);
-        answer
+        self.findings.borrow().has_error()
     }
 
     /// Keeps a condition of `rises` and returns its slot.
     pub fn rises_slot(&self, condition: BooleanExpression) -> usize {
-        let mut rises = self.rises.borrow_mut();
-        rises.iter().position(|known| *known == condition).unwrap_or_else(|| {
-            rises.push(condition);
-            rises.len() - 1
+        let Conditions { by_slot, slots } = &mut *self.conditions.borrow_mut();
+        *slots.entry(format!("{condition:?}")).or_insert_with(|| {
+            by_slot.push(Condition { is: condition, held_ticks: 0 });
+            by_slot.len() - 1
         })
     }
+}
 
-    /// Works out every `let`, so that errors in unused ones are told too.
-    pub fn evaluate_lets(&self) {
-        for binding in &self.script.lets {
-            self.binding(binding, &binding.value);
+impl<'s, 'a> Scope<'s, 'a> {
+    /// The same script, seen from another frame.
+    pub fn at(self, frame: FrameId) -> Self {
+        Self { frame, ..self }
+    }
+
+    /// Notes an error whose help is searched later; what the error says already is the help where nothing is found.
+    pub fn refuse_and_search<T>(
+        self,
+        finding: Diagnostic,
+        search: impl FnOnce(Scope<'_, '_>) -> Option<String> + 'static,
+    ) -> Option<T> {
+        let search: Search = Box::new(search);
+        self.shared.findings.borrow_mut().add(finding, Some((self.frame, search)));
+        None
+    }
+
+    /// What a name means here, with the frame that declares it.
+    pub fn look_up(self, name: &str) -> Option<Placed<Declaration<'a>>> {
+        self.shared.script.frames.look_up(self.frame, name)
+    }
+
+    /// Works out every `let`, so that errors in unused ones are reported too.
+    pub fn evaluate_lets(self) {
+        for binding in &self.shared.script.lets {
+            self.at(binding.frame).binding(binding.part, &binding.part.value);
         }
     }
 
-    /// The meaning of a `let` or `param` whose value is written at `value`, worked out at its first use.
-    pub fn binding(&self, binding: &'a Binding, value: &'a crate::syntax::Expression) -> Option<Meaning> {
+    /// The meaning of a `let` or `param` of this frame whose value is written at `value`, worked out at its first use.
+    pub fn binding(self, binding: &'a Binding, value: &'a Expression) -> Option<Rc<Meaning>> {
         let name = binding.name.text.as_str();
-        if let Some(known) = self.bindings.borrow().get(name) {
+        if let Some(known) = self.bindings.borrow().get(&(self.frame, name)) {
             return known.clone();
         }
-        let circle = self.open.borrow().iter().position(|word| word.text == name);
+        let is_open = |(frame, word): &(FrameId, &Word)| *frame == self.frame && word.text == name;
+        let circle = self.open.borrow().iter().position(is_open);
         if let Some(start) = circle {
-            return self.refuse(self.circle(&self.open.borrow()[start..]));
+            return self.refuse(circle_of_names(&self.open.borrow()[start..]));
         }
-        self.open.borrow_mut().push(&binding.name);
+        self.open.borrow_mut().push((self.frame, &binding.name));
         let meaning = if self.open.borrow().len() > NAMES_DEEP {
             self.refuse(too_large(binding, "it depends on names that depend on names, and so on"))
         } else {
@@ -117,30 +180,22 @@ impl<'a> Scope<'a> {
             meaning => meaning,
         };
         self.open.borrow_mut().pop();
-        self.bindings.borrow_mut().insert(name, meaning.clone());
+        self.bindings.borrow_mut().insert((self.frame, name), meaning.clone());
         meaning
     }
 
-    fn circle(&self, words: &[&Word]) -> Diagnostic {
-        let names = words.iter().chain(words.first()).map(|word| word.text.as_str());
-        let message = format!("these names define each other: {}", names.collect::<Vec<_>>().join(" from "));
-        let span = words.first().map_or(Span::default(), |word| word.span);
-        let error = Diagnostic::error("E28", span, message).help("give one of them a value of its own");
-        words.iter().skip(1).fold(error, |error, word| error.label(word.span, ""))
-    }
-
     /// What a unit says about itself; `None` if it was not found.
-    pub fn description(&self, instance: usize) -> Option<&'a ModelDescription> {
-        self.script.instances[instance].description.map(AsRef::as_ref)
+    pub fn description(self, instance: usize) -> Option<&'s Unit> {
+        self.shared.script.instances[instance].description.as_deref()
     }
 
     /// The variable of a port.
-    pub fn variable(&self, port: Port) -> &'a Variable {
+    pub fn variable(self, port: Port) -> &'s Variable {
         &self.known(port.instance).variables[port.variable]
     }
 
     /// The description of an instance that a port was found in.
-    pub fn known(&self, instance: usize) -> &'a ModelDescription {
+    pub fn known(self, instance: usize) -> &'s Unit {
         let Some(description) = self.description(instance) else {
             unreachable!("a port was found, so its unit is known");
         };
@@ -152,7 +207,7 @@ impl<'a> Scope<'a> {
         format!("{}.{}", self.script.instances[port.instance].name.text, self.variable(port).name)
     }
 
-    /// The words of the script at a place, on one line.
+    /// The text of the script at a place, on one line.
     pub fn text(&self, span: Span) -> String {
         one_line(self.request.sources.slice(span))
     }
@@ -162,19 +217,32 @@ impl<'a> Scope<'a> {
         self.request.sources.line_and_column(span).0
     }
 
-    /// That a name of the script is unknown, with the nearest that is meant.
-    pub fn unknown_name(&self, word: &Word, is_meant: impl Fn(&Declaration<'_>) -> bool, also: &[&str]) -> Diagnostic {
-        let names = self.script.names.iter().filter(|(_, declaration)| is_meant(declaration));
-        let near = nearest(&word.text, names.map(|(name, _)| *name).chain(also.iter().copied()));
-        let error = Diagnostic::error("E01", word.span, format!("`{}` is not declared in this script", word.text));
-        match near {
-            Some(near) => error.help(format!("did you mean `{near}`?")),
-            None => error.help("a name comes from a `fmu`, `param` or `let` line"),
-        }
+    /// That a name of the script is unknown, with the nearest that `is_meant`.
+    pub fn refuse_unknown_name<T>(
+        self,
+        word: &Word,
+        is_meant: fn(&Declaration<'_>) -> bool,
+        also: &'static [&'static str],
+    ) -> Option<T> {
+        let written = word.text.clone();
+        let error = Diagnostic::error("E01", word.span, format!("`{written}` is not declared in this script"));
+        self.refuse_and_search(error.help("a name comes from a `fmu`, `param` or `let` line"), move |scope| {
+            let names = scope.script.frames.known(scope.frame).filter(|(_, declaration)| is_meant(declaration));
+            let near = nearest(&written, names.map(|(name, _)| name).chain(also.iter().copied()))?;
+            Some(format!("did you mean `{near}`?"))
+        })
     }
 }
 
-/// How many names may stand behind each other; far more than anyone writes, far less than the stack carries.
+fn circle_of_names(words: &[(FrameId, &Word)]) -> Diagnostic {
+    let names = words.iter().chain(words.first()).map(|(_, word)| word.text.as_str());
+    let message = format!("these names define each other: {}", names.collect::<Vec<_>>().join(" from "));
+    let span = words.first().map_or(Span::default(), |(_, word)| word.span);
+    let error = Diagnostic::error("E28", span, message).help("give one of them a value of its own");
+    words.iter().skip(1).fold(error, |error, (_, word)| error.label(word.span, ""))
+}
+
+/// How many names may stand behind each other; far more than scripts need, far less than the stack allows.
 const NAMES_DEEP: usize = 64;
 
 /// How many parts the value of a name may have; a few names that double each other would fill the memory otherwise.
@@ -204,6 +272,6 @@ fn one_line(text: &str) -> String {
 }
 
 #[test]
-fn a_claim_over_several_lines_is_told_on_one() {
+fn a_claim_over_several_lines_is_shown_on_one() {
     assert_eq!(one_line("always min(\n  a,   # the first\n  b['#'],\n) > 3 m"), "always min( a, b['#'], ) > 3 m");
 }

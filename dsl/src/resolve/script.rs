@@ -1,13 +1,14 @@
 //! Sorts the statements of a script, refuses those that this version does not know, and finds who declares a name.
 
-use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::sync::Arc;
-
-use fmi2::description::ModelDescription;
+use std::rc::Rc;
 
 use super::Request;
+use super::findings::Findings;
+use super::frame::{FrameId, Frames, Placed};
+use super::unit::Unit;
 use crate::diagnostic::Diagnostic;
+use crate::loader::Problem;
 use crate::source::Span;
 use crate::syntax::{self, Arrow, Binding, Expression, Name, Path, Statement, StatementKind, Window, Word};
 
@@ -23,30 +24,34 @@ pub(super) struct Script<'a> {
     /// Whether a `stop` stands there that was refused.
     pub stop_refused: bool,
     /// `param`
-    pub parameters: Vec<&'a Binding>,
+    pub parameters: Vec<Placed<&'a Binding>>,
     /// `let`
-    pub lets: Vec<&'a Binding>,
+    pub lets: Vec<Placed<&'a Binding>>,
     /// `fmu`
     pub instances: Vec<Declared<'a>>,
     /// `->` and `=>`
-    pub wires: Vec<Wire<'a>>,
+    pub wires: Vec<Placed<Wire<'a>>>,
     /// `at`
-    pub windows: Vec<&'a Window>,
+    pub windows: Vec<Placed<&'a Window>>,
     /// `assert`
-    pub claims: Vec<(&'a Name, &'a Expression)>,
+    pub claims: Vec<Placed<(&'a Name, &'a Expression)>>,
     /// The paths of `record`.
-    pub records: Vec<&'a Path>,
+    pub records: Vec<Placed<&'a Path>>,
     /// Whether a `record` line stands there.
     pub has_record: bool,
     /// Who declares which name.
-    pub names: BTreeMap<&'a str, Declaration<'a>>,
+    pub frames: Frames<'a>,
     /// The names of the claims with their places.
     claim_names: BTreeMap<&'a str, Span>,
+    /// What was found for each unit, by the text that names it.
+    units: BTreeMap<(u32, &'a str), Result<Rc<Unit>, Problem>>,
 }
 
 /// A unit under a name.
 #[derive(Debug)]
 pub(super) struct Declared<'a> {
+    /// Where the names in its clauses are looked up.
+    pub frame: FrameId,
     /// The name.
     pub name: &'a Word,
     /// The unit as written.
@@ -56,7 +61,7 @@ pub(super) struct Declared<'a> {
     /// The braces.
     pub values: &'a [syntax::Value],
     /// What the unit says about itself, unless it was not found.
-    pub description: Option<&'a Arc<ModelDescription>>,
+    pub description: Option<Rc<Unit>>,
 }
 
 /// A connection.
@@ -86,7 +91,8 @@ pub(super) enum Declaration<'a> {
 }
 
 impl Declaration<'_> {
-    fn span(&self) -> Span {
+    /// Where the name stands.
+    pub fn span(&self) -> Span {
         match self {
             Self::Parameter(binding) | Self::Let(binding) => binding.name.span,
             Self::Instance(_, word) | Self::Refused(word) => word.span,
@@ -103,52 +109,60 @@ pub(super) fn not_yet(span: Span, what: &str) -> Diagnostic {
         .help("leave it out for now")
 }
 
+/// The statements of a file in the order in which they act, each with the frame in which its names are looked up. This is
+/// where a loop yields its statements once for each round, in a frame of that round, and a part yields its own.
+fn elaborated(statements: &[Statement]) -> impl Iterator<Item = Placed<&Statement>> {
+    statements.iter().map(|part| Placed { frame: FrameId::SCRIPT, part })
+}
+
 impl<'a> Script<'a> {
     /// Sorts the statements; whatever is wrong with them goes to `findings`.
-    pub fn new(request: &Request<'a>, findings: &RefCell<Vec<Diagnostic>>) -> Self {
+    pub fn new(request: &Request<'a>, findings: &mut Findings) -> Self {
         let mut script = Self::default();
         let mut found = Vec::new();
-        for statement in &request.file.statements {
+        for statement in elaborated(&request.file.statements) {
             script.take(request, statement, &mut found);
         }
+        found.drain(..).for_each(|finding| findings.add(finding, None));
         script.require(request, &mut found);
-        findings.borrow_mut().append(&mut found);
+        found.into_iter().for_each(|finding| findings.add_of_file(finding));
         script
     }
 
-    fn take(&mut self, request: &Request<'a>, statement: &'a Statement, found: &mut Vec<Diagnostic>) {
-        let span = statement.span;
-        match &statement.kind {
+    fn take(&mut self, request: &Request<'a>, statement: Placed<&'a Statement>, found: &mut Vec<Diagnostic>) {
+        let (frame, span) = (statement.frame, statement.part.span);
+        match &statement.part.kind {
             StatementKind::Scenario(title) => once(&mut self.title, title, |word| word.span, "scenario", found),
             StatementKind::Step(step) => once(&mut self.step, step, |value| value.span, "step", found),
             StatementKind::Stop(stop) => once(&mut self.stop, stop, |value| value.span, "stop", found),
-            StatementKind::Param(binding) => {
-                self.parameters.push(binding);
-                self.declare(&binding.name, Declaration::Parameter(binding), &RESERVED[..2], found);
+            StatementKind::Param(part) => {
+                self.parameters.push(Placed { frame, part });
+                self.declare(frame, &part.name, Declaration::Parameter(part), &RESERVED[..2], found);
             }
-            StatementKind::Let(binding) => {
-                self.lets.push(binding);
-                self.declare(&binding.name, Declaration::Let(binding), &RESERVED, found);
+            StatementKind::Let(part) => {
+                self.lets.push(Placed { frame, part });
+                self.declare(frame, &part.name, Declaration::Let(part), &RESERVED, found);
             }
-            StatementKind::Fmu(instance) => self.instance(request, instance, found),
-            StatementKind::At(window) => self.windows.push(window),
-            StatementKind::Assert { name, claim } => self.claim(name, claim, found),
+            StatementKind::Fmu(part) => self.instance(request, Placed { frame, part }, found),
+            StatementKind::At(part) => self.windows.push(Placed { frame, part }),
+            StatementKind::Assert { name, claim } => self.claim(Placed { frame, part: (name, claim) }, found),
             StatementKind::Record { signals, every } => {
                 self.has_record = true;
-                self.records.extend(signals);
+                self.records.extend(signals.iter().map(|part| Placed { frame, part }));
                 if let Some(every) = every {
                     found.push(not_yet(every.span, "`record` with `every`"));
                 }
             }
             StatementKind::Wire { source, arrow, arrow_span, targets } => {
-                self.wires.push(Wire { source, arrow: *arrow, arrow_span: *arrow_span, targets });
+                let part = Wire { source, arrow: *arrow, arrow_span: *arrow_span, targets };
+                self.wires.push(Placed { frame, part });
             }
             StatementKind::StopWhen { .. } => {
                 self.stop_refused = true;
                 found.push(not_yet(span, "`stop when`"));
             }
             StatementKind::Use(part) => {
-                self.names.entry(&part.name.word.text).or_insert(Declaration::Refused(&part.name.word));
+                self.refuse_name(frame, &part.name.word);
                 found.push(not_yet(span, "`use`"));
             }
             StatementKind::For { .. } => found.push(not_yet(span, "`for`")),
@@ -158,7 +172,13 @@ impl<'a> Script<'a> {
         }
     }
 
-    fn claim(&mut self, name: &'a Name, claim: &'a Expression, found: &mut Vec<Diagnostic>) {
+    /// A name whose statement was refused: nothing is reported about its use. A name that is declared already stays.
+    fn refuse_name(&mut self, frame: FrameId, name: &'a Word) {
+        let _ = self.frames.declare(frame, &name.text, Declaration::Refused(name));
+    }
+
+    fn claim(&mut self, claim: Placed<(&'a Name, &'a Expression)>, found: &mut Vec<Diagnostic>) {
+        let (name, _) = claim.part;
         if !name.index.is_empty() {
             found.push(not_yet(name.span, "an index in a claim's name"));
         } else if let Some(&first) = self.claim_names.get(name.word.text.as_str()) {
@@ -169,14 +189,19 @@ impl<'a> Script<'a> {
         } else {
             self.claim_names.insert(&name.word.text, name.span);
         }
-        self.claims.push((name, claim));
+        self.claims.push(claim);
     }
 
-    fn instance(&mut self, request: &Request<'a>, instance: &'a syntax::Instance, found: &mut Vec<Diagnostic>) {
+    fn instance(
+        &mut self,
+        request: &Request<'a>,
+        Placed { frame, part: instance }: Placed<&'a syntax::Instance>,
+        found: &mut Vec<Diagnostic>,
+    ) {
         let name = &instance.name.word;
         if !instance.name.index.is_empty() {
             found.push(not_yet(instance.name.span, "an index in an `fmu` name"));
-            self.names.entry(&name.text).or_insert(Declaration::Refused(name));
+            self.refuse_name(frame, name);
             return;
         }
         if let Some(host) = instance.on.first() {
@@ -187,25 +212,40 @@ impl<'a> Script<'a> {
             let twice = Diagnostic::error("E25", second.span, message).label(first.span, "the first");
             found.push(twice.help("write one `every`"));
         }
-        let unit = request.units.get(&instance.unit.text);
-        if let Some(Err(problem)) = unit {
+        let unit = self.unit(request, &instance.unit);
+        if let Err(problem) = &unit {
             let error = Diagnostic::error("E26", instance.unit.span, problem.message.clone());
             found.push(Diagnostic { help: problem.help.clone(), ..error });
         }
-        assert!(unit.is_some(), "an entry was handed in for every unit that `units` names");
         let declared = Declared {
+            frame,
             name,
             unit: &instance.unit,
             every: instance.every.first(),
             values: &instance.values,
-            description: unit.and_then(|unit| unit.as_ref().ok()),
+            description: unit.ok(),
         };
-        self.declare(name, Declaration::Instance(self.instances.len(), name), &RESERVED, found);
+        self.declare(frame, name, Declaration::Instance(self.instances.len(), name), &RESERVED, found);
         self.instances.push(declared);
+    }
+
+    /// The units that were found, each once.
+    pub fn units(&self) -> impl Iterator<Item = &Unit> {
+        self.units.values().filter_map(|unit| unit.as_deref().ok())
+    }
+
+    /// What a unit says about itself; the loader is asked once for each name of a text.
+    fn unit(&mut self, request: &Request<'a>, name: &'a Word) -> Result<Rc<Unit>, Problem> {
+        let load = || {
+            let description = request.loader.unit(request.sources.of(name.span), &name.text)?;
+            Ok(Rc::new(Unit::new(description)))
+        };
+        self.units.entry((name.span.text, &name.text)).or_insert_with(load).clone()
     }
 
     fn declare(
         &mut self,
+        frame: FrameId,
         name: &'a Word,
         declaration: Declaration<'a>,
         reserved: &[&str],
@@ -222,13 +262,11 @@ impl<'a> Script<'a> {
             found.push(error.saying(meaning).help(help));
             return;
         }
-        if let Some(first) = self.names.get(name.text.as_str()) {
+        if let Err(first) = self.frames.declare(frame, &name.text, declaration) {
             let message = format!("`{}` is declared twice", name.text);
-            let error = Diagnostic::error("E24", name.span, message).label(first.span(), "declared here first");
+            let error = Diagnostic::error("E24", name.span, message).label(first, "declared here first");
             found.push(error.help("rename one of them"));
-            return;
         }
-        self.names.insert(&name.text, declaration);
     }
 
     fn require(&self, request: &Request<'a>, found: &mut Vec<Diagnostic>) {

@@ -1,5 +1,7 @@
 //! Names inside a unit: variables, groups, arrays and picked members.
 
+use std::rc::Rc;
+
 use fmi2::description::{Causality, Kind};
 
 use super::meaning::{Condition, Group, Meaning, Text};
@@ -40,31 +42,28 @@ impl Group {
     }
 }
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// The signal of a path that must begin with the name of an instance; `None` is reported, or follows from what was.
     pub fn signal(&self, path: &Path) -> Option<Signal> {
-        match self.script.names.get(path.root.text.as_str()) {
-            Some(&Declaration::Instance(instance, _)) => self.walk(instance, String::new(), &path.tail, path),
+        match self.look_up(&path.root.text).map(|found| found.part) {
+            Some(Declaration::Instance(instance, _)) => self.walk(instance, String::new(), &path.tail, path),
             Some(Declaration::Refused(_)) => None,
             Some(Declaration::Parameter(_)) => self.refuse(not_a_port(&path.root, "a parameter of the script")),
             Some(Declaration::Let(_)) => self.refuse(not_a_port(&path.root, "a `let` of the script")),
-            None => {
-                let is_instance = |declaration: &Declaration<'_>| matches!(declaration, Declaration::Instance(..));
-                self.refuse(self.unknown_name(&path.root, is_instance, &[]))
-            }
+            None => self.refuse_unknown_name(&path.root, |declared| matches!(declared, Declaration::Instance(..)), &[]),
         }
     }
 
     /// Follows a path's tail from a beginning that exists.
     pub fn walk(&self, instance: usize, mut prefix: String, tail: &[Segment], path: &Path) -> Option<Signal> {
-        let variables = &self.description(instance)?.variables;
+        let unit = self.description(instance)?;
         for (at, segment) in tail.iter().enumerate() {
             match segment {
                 Segment::Field(word) => prefix = self.member(instance, &prefix, word)?,
                 Segment::Index(index, span) => {
                     let element = format!("{prefix}{}", self.index_text(index)?);
-                    if !self.exists(instance, &element) {
-                        return self.refuse(self.no_element(instance, &prefix, &element, *span));
+                    if !unit.has(&element) {
+                        return self.refuse_element(instance, prefix, &element, *span);
                     }
                     prefix = element;
                 }
@@ -80,19 +79,13 @@ impl Scope<'_> {
         if prefix.is_empty() {
             let message = format!("`{}` is a whole unit, and one of its ports is meant here", path.root.text);
             let help =
-                format!("for example `{}.{}`", path.root.text, variables.first().map_or("", |first| &first.name));
+                format!("for example `{}.{}`", path.root.text, unit.variables.first().map_or("", |first| &first.name));
             return self.refuse(Diagnostic::error("E01", path.span, message).help(help));
         }
-        if let Some(variable) = variables.iter().position(|variable| variable.name == prefix) {
+        if let Some(variable) = unit.variable(&prefix) {
             return Some(Signal::One(Port { instance, variable }));
         }
-        let members = variables.iter().enumerate().filter_map(|(variable, declared)| {
-            Some((
-                declared.name.strip_prefix(&prefix).filter(|rest| rest.starts_with(['.', '[']))?.to_owned(),
-                variable,
-            ))
-        });
-        let members = members.collect();
+        let members = unit.members(&prefix);
         Some(Signal::Group(Group { instance, prefix, members }))
     }
 
@@ -116,61 +109,62 @@ impl Scope<'_> {
         Some(value as i64)
     }
 
-    fn exists(&self, instance: usize, name: &str) -> bool {
-        let is_beginning = |variable: &str| {
-            variable.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
-        };
-        self.known(instance).variables.iter().any(|variable| is_beginning(&variable.name))
-    }
-
     /// The name of a member, if there is one.
     fn member(&self, instance: usize, prefix: &str, word: &Word) -> Option<String> {
         let dotted = if prefix.is_empty() { String::new() } else { format!("{prefix}.") };
         let name = format!("{dotted}{}", word.text);
-        if self.exists(instance, &name) {
+        let unit = self.known(instance);
+        if unit.has(&name) {
             return Some(name);
         }
-        let variables = &self.known(instance).variables;
-        let next = |name: &'_ str| name.strip_prefix(&dotted).map(|rest| rest.find(['.', '[']).unwrap_or(rest.len()));
-        let names = variables.iter().filter_map(|variable| {
-            let end = next(&variable.name)?;
-            variable.name.get(dotted.len()..dotted.len() + end)
-        });
-        let near = nearest(&word.text, names).map(|near| format!("did you mean `{near}`? ")).unwrap_or_default();
         let declared = &self.script.instances[instance];
         let owner =
             if prefix.is_empty() { declared.name.text.clone() } else { format!("{}.{prefix}", declared.name.text) };
-        let count = variables.len();
-        let help = format!("{near}All {count}: lockstep describe {}", declared.unit.text);
+        let all = format!("All {}: lockstep describe {}", unit.variables.len(), declared.unit.text);
         let message = format!("`{owner}` has no variable `{}`", word.text);
-        self.refuse(Diagnostic::error("E01", word.span, message).help(help))
+        let error = Diagnostic::error("E01", word.span, message).help(all.clone());
+        let written = word.text.clone();
+        self.refuse_and_search(error, move |scope| {
+            let unit = scope.known(instance);
+            let names = unit.beginning(&dotted).iter().filter_map(|&variable| {
+                let rest = unit.variables[variable].name.get(dotted.len()..)?;
+                rest.get(..rest.find(['.', '[']).unwrap_or(rest.len()))
+            });
+            Some(format!("did you mean `{}`? {all}", nearest(&written, names)?))
+        })
     }
 
-    fn no_element(&self, instance: usize, prefix: &str, element: &str, span: Span) -> Diagnostic {
+    fn refuse_element<T>(&self, instance: usize, prefix: String, element: &str, span: Span) -> Option<T> {
         let name = format!("{}.{prefix}", self.script.instances[instance].name.text);
-        let index = element.strip_prefix(prefix).unwrap_or(element);
+        let index = element.strip_prefix(&prefix).unwrap_or(element);
         let error = Diagnostic::error("E01", span, format!("`{name}` has no element `{index}`"));
-        let mut elements: Vec<&str> = Vec::new();
-        for variable in &self.known(instance).variables {
-            let rest = variable.name.strip_prefix(prefix).filter(|rest| rest.starts_with('['));
-            let index = rest.and_then(|rest| Some(&rest[..=rest.find(']')?]));
-            elements.extend(index.filter(|index| elements.last() != Some(index)));
-        }
-        match elements.as_slice() {
-            [] => error.help("it is not an array"),
-            [only] => error.help(format!("it has the element `{only}`")),
-            [first, .., last] => error.help(format!("its elements go from `{first}` to `{last}`")),
-        }
+        self.refuse_and_search(error, move |scope| {
+            let unit = scope.known(instance);
+            let mut elements: Vec<&str> = Vec::new();
+            let mut variables = unit.beginning(&format!("{prefix}[")).to_vec();
+            variables.sort_unstable();
+            for variable in variables {
+                let rest = &unit.variables[variable].name[prefix.len()..];
+                let index = rest.find(']').map(|end| &rest[..=end]);
+                elements.extend(index.filter(|index| elements.last() != Some(index)));
+            }
+            Some(match elements.as_slice() {
+                [] => "it is not an array".to_owned(),
+                [only] => format!("it has the element `{only}`"),
+                [first, .., last] => format!("its elements go from `{first}` to `{last}`"),
+            })
+        })
     }
 
     /// What a signal gives as a source; inputs give nothing.
     pub fn source(&self, signal: Signal, span: Span) -> Option<Meaning> {
         let is_input = |port| self.variable(port).causality == Causality::Input;
         match signal {
-            Signal::One(port) if is_input(port) => self.refuse(self.input_as_source(port, span)),
+            Signal::One(port) if is_input(port) => self.refuse_input(port, span),
             Signal::One(port) => Some(self.port_meaning(port)),
             Signal::Picked(signals) => {
-                let picked: Vec<_> = signals.into_iter().map(|signal| self.source(signal, span)).collect();
+                let picked = signals.into_iter().map(|signal| self.source(signal, span).map(Rc::new));
+                let picked: Vec<_> = picked.collect();
                 picked.into_iter().collect::<Option<_>>().map(Meaning::List)
             }
             Signal::Group(group) => {
@@ -179,21 +173,19 @@ impl Scope<'_> {
                 let members: Vec<_> =
                     group.members.iter().filter(|(_, variable)| !is_input(port(*variable))).cloned().collect();
                 match first {
-                    Some(first) if members.is_empty() => self.refuse(self.input_as_source(first, span)),
+                    Some(first) if members.is_empty() => self.refuse_input(first, span),
                     _ => Some(Meaning::Group(Group { members, ..group })),
                 }
             }
         }
     }
 
-    fn input_as_source(&self, port: Port, span: Span) -> Diagnostic {
+    fn refuse_input<T>(&self, port: Port, span: Span) -> Option<T> {
         let error = Diagnostic::error("E04", span, format!("`{}` is an input and gives no value", self.text(span)));
-        let drives =
-            |path: &Path| self.quietly(|scope| scope.signal(path)).is_some_and(|it| it.ports().contains(&port));
-        match self.script.wires.iter().find(|wire| wire.targets.iter().any(drives)).map(|wire| wire.source.span) {
-            Some(driver) => error.help(format!("read what drives it: `{}`", self.text(driver))),
-            None => error.help("read an output, or what drives this input"),
-        }
+        self.refuse_and_search(error.help("read an output, or what drives this input"), move |scope| {
+            let driver = *scope.driven_by.borrow().get(&port)?;
+            Some(format!("read what drives it: `{}`", scope.text(driver)))
+        })
     }
 
     /// The meaning of one variable as a source.

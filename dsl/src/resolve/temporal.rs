@@ -8,7 +8,7 @@ use crate::scenario::TickWindow;
 use crate::source::Span;
 use crate::syntax::{Expression, ExpressionKind, TemporalWord, TimeSpan};
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// `always`, `eventually` and `hold for` with their window and body.
     pub fn temporal(
         &self,
@@ -72,7 +72,7 @@ impl Scope<'_> {
     }
 }
 
-/// The word at the top of a body that stands without parentheses.
+/// The operator at the top of a body without parentheses.
 fn loose_joint(body: &Expression) -> Option<&'static str> {
     let joint = match body.kind {
         ExpressionKind::And(_) => "and",
@@ -96,7 +96,7 @@ fn in_unit_of(near: &Expression, far: &Expression) -> Expression {
 }
 
 impl Condition {
-    /// The windows, from the outside in, that reach furthest ahead: ticks and the word a user knows them by.
+    /// The windows, from the outside in, that reach furthest ahead: their ticks and the keyword of each.
     pub fn reach(&self) -> Vec<(u64, &'static str)> {
         match self {
             Self::Plain(_) | Self::Bound(_) => Vec::new(),

@@ -1,13 +1,17 @@
 //! Units of measure that a script writes: the built-in table, and the names that loaded units define.
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
+
 use fmi2::units::{BaseUnit, parse};
 
 use super::scope::Scope;
+use super::script::Script;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
 use crate::syntax::{Expression, ExpressionKind, Word};
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// The unit of measure that a script wrote in `of`, which is the number with its unit.
     pub fn unit_of_measure(&self, unit: &Word, of: &Expression) -> Option<BaseUnit> {
         if let Some(name) = self.name_in_unit(unit) {
@@ -32,10 +36,13 @@ impl Scope<'_> {
             (Err(mut unknown), None) => {
                 let suggestion = unknown.suggestion.take();
                 let error = Diagnostic::error("E11", unit.span, unknown.to_string());
-                let near = suggestion.or_else(|| self.near_loaded(&unit.text));
-                self.refuse(match near {
-                    Some(near) => error.help(format!("did you mean `{near}`?")),
-                    None => error.help("a unit of a loaded FMU may be written in quotes, for example `5 'N.m'`"),
+                if let Some(near) = suggestion {
+                    return self.refuse(error.help(format!("did you mean `{near}`?")));
+                }
+                let written = unit.text.clone();
+                let error = error.help("a unit of a loaded FMU may be written in quotes, for example `5 'N.m'`");
+                self.refuse_and_search(error, move |scope| {
+                    Some(format!("did you mean `{}`?", scope.near_loaded(&written)?))
                 })
             }
         }
@@ -62,15 +69,13 @@ impl Scope<'_> {
 
     /// What a loaded unit defines under this name, with the owner's name.
     fn loaded_unit(&self, name: &str) -> Option<(BaseUnit, &str)> {
-        self.script.instances.iter().find_map(|instance| {
-            let defined = instance.description?.unit(name)?;
-            Some((defined.base?, instance.name.text.as_str()))
-        })
+        let (base, instance) = self.loaded.get(name)?;
+        Some((*base, self.script.instances[*instance].name.text.as_str()))
     }
 
     fn near_loaded(&self, written: &str) -> Option<String> {
-        let descriptions = self.script.instances.iter().filter_map(|instance| instance.description);
-        let names = descriptions.flat_map(|description| &description.units).map(|unit| unit.name.as_str());
+        let units = self.script.units();
+        let names = units.flat_map(|unit| &unit.units).map(|unit| unit.name.as_str());
         nearest(written, names).map(|near| format!("'{near}'"))
     }
 
@@ -82,7 +87,7 @@ impl Scope<'_> {
         }
         let parts = unit.text.split(['*', '/']).skip(1);
         let mut names = parts.map(|part| &part[..part.find(|c: char| !c.is_alphabetic()).unwrap_or(part.len())]);
-        names.find(|name| self.script.names.contains_key(*name))
+        names.find(|name| self.look_up(name).is_some())
     }
 
     fn spaced(&self, unit: &Word, name: &str, of: &Expression, error: Diagnostic) -> Diagnostic {
@@ -98,6 +103,24 @@ impl Scope<'_> {
             None => error.help("a unit has no spaces, a product has"),
         }
     }
+}
+
+/// What the units of a script define, each name with the first instance whose unit gives it base units.
+pub(super) fn loaded(script: &Script<'_>) -> BTreeMap<String, (BaseUnit, usize)> {
+    let mut loaded = BTreeMap::new();
+    let mut seen = BTreeSet::new();
+    for (index, instance) in script.instances.iter().enumerate() {
+        let Some(unit) = &instance.description else { continue };
+        if !seen.insert(Rc::as_ptr(unit)) {
+            continue;
+        }
+        for definition in &unit.units {
+            if let Some(base) = unit.unit(&definition.name).and_then(|first| first.base) {
+                loaded.entry(definition.name.clone()).or_insert((base, index));
+            }
+        }
+    }
+    loaded
 }
 
 fn same(left: BaseUnit, right: BaseUnit) -> bool {

@@ -1,12 +1,12 @@
 //! The order within one step: a unit steps after all whose results come to it over `=>`.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::scope::Scope;
 use super::wire::Wired;
 use crate::diagnostic::Diagnostic;
 
-/// That one unit waits for another, and the wire that says so.
+/// One unit waits for another because of a connection statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Edge {
     from: usize,
@@ -14,7 +14,7 @@ struct Edge {
     wire: usize,
 }
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// The wave of each instance; `None` if some wait for each other.
     pub fn waves(&self, connections: &[Wired]) -> Option<Vec<usize>> {
         let edges: BTreeSet<Edge> = connections
@@ -26,16 +26,25 @@ impl Scope<'_> {
                 ports.map(move |port| Edge { from: port.instance, to, wire: wired.wire })
             })
             .collect();
-        let mut waits: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); self.script.instances.len()];
+        let mut waiting: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); self.script.instances.len()];
+        let mut waits: Vec<BTreeSet<usize>> = waiting.clone();
         for edge in &edges {
             waits[edge.to].insert(edge.from);
+            waiting[edge.from].insert(edge.to);
         }
         let mut waves: Vec<Option<usize>> = vec![None; waits.len()];
-        loop {
-            let ready = |at: &usize| waves[*at].is_none() && waits[*at].iter().all(|from| waves[*from].is_some());
-            let Some(next) = (0..waves.len()).find(ready) else { break };
-            let after = waits[next].iter().filter_map(|from| waves[*from]).max();
-            waves[next] = Some(after.map_or(0, |wave| wave + 1));
+        let mut least = vec![0; waits.len()];
+        let mut ready: Vec<usize> = (0..waits.len()).filter(|instance| waits[*instance].is_empty()).collect();
+        while let Some(instance) = ready.pop() {
+            let wave = least[instance];
+            waves[instance] = Some(wave);
+            for &next in &waiting[instance] {
+                least[next] = least[next].max(wave + 1);
+                waits[next].remove(&instance);
+                if waits[next].is_empty() {
+                    ready.push(next);
+                }
+            }
         }
         if let Some(stuck) = waves.iter().position(Option::is_none) {
             return self.refuse(self.circle_of_waves(&edges, &waves, stuck));
@@ -52,7 +61,7 @@ impl Scope<'_> {
         let Some(usual) = circle.iter().find(|edge| self.holds_its_outputs(edge.from)).or(circle.first()) else {
             unreachable!("a circle has an edge");
         };
-        let wire = &self.script.wires[usual.wire];
+        let wire = &self.script.wires[usual.wire].part;
         let example =
             self.text(wire.source.span.to(wire.targets.last().map_or(wire.source.span, |target| target.span)));
         let help = format!(
@@ -63,7 +72,7 @@ impl Scope<'_> {
         let mut wires: Vec<_> = circle.iter().map(|edge| edge.wire).collect();
         wires.sort_unstable();
         wires.dedup();
-        let mut spans = wires.into_iter().map(|wire| self.script.wires[wire].arrow_span);
+        let mut spans = wires.into_iter().map(|wire| self.script.wires[wire].part.arrow_span);
         let first = spans.next().unwrap_or(wire.arrow_span);
         spans.fold(Diagnostic::error("E06", first, message), |error, span| error.label(span, "")).help(help)
     }
@@ -77,14 +86,19 @@ impl Scope<'_> {
 
 /// Walks back from an instance that waits until an instance comes again.
 fn circle(edges: &BTreeSet<Edge>, waves: &[Option<usize>], stuck: usize) -> Vec<Edge> {
+    let mut waits_for: BTreeMap<usize, Edge> = BTreeMap::new();
+    for edge in edges.iter().filter(|edge| waves[edge.from].is_none()) {
+        waits_for.entry(edge.to).or_insert(*edge);
+    }
     let mut walked: Vec<Edge> = Vec::new();
+    let mut steps: BTreeMap<usize, usize> = BTreeMap::new();
     let mut at = stuck;
     loop {
-        let waits_for = edges.iter().find(|edge| edge.to == at && waves[edge.from].is_none());
-        let Some(edge) = waits_for else { unreachable!("an instance without wave waits for another") };
+        let Some(edge) = waits_for.get(&at) else { unreachable!("an instance without wave waits for another") };
+        steps.insert(at, walked.len());
         walked.push(*edge);
         at = edge.from;
-        if let Some(start) = walked.iter().position(|walked| walked.to == at) {
+        if let Some(&start) = steps.get(&at) {
             let mut circle = walked.split_off(start);
             circle.reverse();
             let first = (0..circle.len()).min_by_key(|&edge| circle[edge].from).unwrap_or(0);

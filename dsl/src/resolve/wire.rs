@@ -1,17 +1,19 @@
 //! Connections: one driver for each input element.
 
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use fmi2::description::{Causality, Kind};
 
 use super::assign::Role;
 use super::fit::{Fitted, Meeting};
+use super::frame::Placed;
 use super::meaning::Meaning;
 use super::scope::Scope;
-use super::script::{Wire, not_yet};
+use super::script::{Declaration, Wire, not_yet};
 use super::signal::Signal;
 use crate::diagnostic::Diagnostic;
-use crate::scenario::{Connection, Port};
+use crate::scenario::{Connection, Port, duration};
 use crate::source::Span;
 use crate::syntax::{Arrow, ExpressionKind, Path};
 
@@ -32,21 +34,24 @@ struct Driver {
     target: Span,
 }
 
-impl Scope<'_> {
+impl Scope<'_, '_> {
     /// All connections in order of their targets; `periods` are the instances'.
     pub fn connections(&self, periods: Option<&[u64]>) -> Vec<Wired> {
         let mut drivers = BTreeMap::new();
         let mut connections = Vec::new();
-        for (index, wire) in self.script.wires.iter().enumerate() {
-            if let Some(error) = self.backwards(wire) {
+        for (index, &Placed { frame, part: wire }) in self.script.wires.iter().enumerate() {
+            let scope = self.at(frame);
+            let targets: Vec<_> = wire.targets.iter().map(|target| (target, scope.signal(target))).collect();
+            if let Some(error) = scope.backwards(&wire, &targets) {
                 self.report(error);
                 continue;
             }
-            let source = self.evaluate(wire.source);
-            for target in wire.targets {
-                let wired = self.wired(index, wire, source.as_ref(), target, &mut drivers);
+            let source = scope.evaluate(wire.source);
+            for (target, signal) in targets {
+                self.note_driver(wire.source.span, signal.as_ref());
+                let wired = scope.wired(index, &wire, source.as_ref(), (target, signal), &mut drivers);
                 if let (Some(periods), Arrow::Direct) = (periods, wire.arrow) {
-                    self.check_periods(wire, target, &wired, periods);
+                    self.check_periods(&wire, target, &wired, periods);
                 }
                 connections.extend(wired);
             }
@@ -55,14 +60,26 @@ impl Scope<'_> {
         connections
     }
 
+    /// Notes what drives the inputs of a target, for the help of errors.
+    fn note_driver(&self, source: Span, target: Option<&Signal>) {
+        let mut driven_by = self.driven_by.borrow_mut();
+        for port in target.map(Signal::ports).unwrap_or_default() {
+            driven_by.entry(port).or_insert(source);
+        }
+    }
+
     /// That an arrow goes from an input to an output.
-    fn backwards(&self, wire: &Wire<'_>) -> Option<Diagnostic> {
-        let (ExpressionKind::Path(source), [target]) = (&wire.source.kind, wire.targets) else { return None };
-        let (source_ports, target_ports) =
-            self.quietly(|scope| Some((scope.signal(source)?, scope.signal(target)?)))?;
+    fn backwards(&self, wire: &Wire<'_>, targets: &[(&Path, Option<Signal>)]) -> Option<Diagnostic> {
+        let (ExpressionKind::Path(source), [(target, Some(target_signal))]) = (&wire.source.kind, targets) else {
+            return None;
+        };
+        let Some(Declaration::Instance(..)) = self.look_up(&source.root.text).map(|found| found.part) else {
+            return None;
+        };
+        let source_signal = self.signal(source)?;
         let are_all =
             |signal: &Signal, causality| signal.ports().iter().all(|port| self.variable(*port).causality == causality);
-        if !are_all(&source_ports, Causality::Input) || !are_all(&target_ports, Causality::Output) {
+        if !are_all(&source_signal, Causality::Input) || !are_all(target_signal, Causality::Output) {
             return None;
         }
         let (input, output) = (self.text(source.span), self.text(target.span));
@@ -75,14 +92,14 @@ impl Scope<'_> {
         &self,
         index: usize,
         wire: &Wire<'_>,
-        source: Option<&Meaning>,
-        target: &Path,
+        source: Option<&Rc<Meaning>>,
+        (target, signal): (&Path, Option<Signal>),
         drivers: &mut BTreeMap<Port, Driver>,
     ) -> Vec<Wired> {
         let direct = wire.arrow == Arrow::Direct;
         let at =
             Meeting { source: wire.source.span, target: target.span, arrow: Some(if direct { "=>" } else { "->" }) };
-        let signal = self.signal(target).and_then(|signal| self.touchable(Role::Wire, signal, at));
+        let signal = signal.and_then(|signal| self.touchable(Role::Wire, signal, at));
         let Some(signal) = signal else { return Vec::new() };
         let ports = signal.ports();
         if let Some((port, first)) = ports.iter().find_map(|port| Some((*port, drivers.get(port)?))) {
@@ -144,7 +161,7 @@ impl Scope<'_> {
         for giver in givers.into_iter().filter(|&giver| !divides(giver)) {
             let period = |instance: usize| {
                 let step_ns = self.grid().map_or(0, |grid| grid.step_ns);
-                super::grid::duration(periods[instance].saturating_mul(step_ns))
+                duration(periods[instance].saturating_mul(step_ns))
             };
             let name = |instance: usize| &self.script.instances[instance].name.text;
             let message = format!(
@@ -160,7 +177,7 @@ impl Scope<'_> {
     }
 }
 
-/// What rises is known from sample to sample, and `=>` brings what no sample has yet.
+/// `rises` compares two samples, and `=>` passes a value that is in no sample yet.
 fn rises_within_a_step(source: Span) -> Diagnostic {
     not_yet(source, "`rises` before `=>`").help("write `->`: what rises is seen at the next sample")
 }

@@ -1,15 +1,15 @@
 //! Which ports a value is computed from.
 
-use super::{BooleanExpression, Drive, Formula, Operand, Port, RealExpression};
+use super::{BooleanExpression, Condition, Drive, Formula, Operand, Port, RealExpression};
 
 impl Drive {
-    /// Tells each port that the value is computed from, those behind [`BooleanExpression::Rises`] included; `rises` are
-    /// the conditions by slot. A port may be told more than once.
-    pub fn reads(&self, rises: &[BooleanExpression], told: &mut dyn FnMut(Port)) {
+    /// Visits each port that the value is computed from, those behind [`BooleanExpression::Rises`] included; `conditions` are
+    /// those of the scenario by slot. A port may be visited more than once.
+    pub fn reads(&self, conditions: &[Condition], visit: &mut dyn FnMut(Port)) {
         match self {
-            Self::Copy(port) => told(*port),
-            Self::Real(value) => value.reads(told),
-            Self::Boolean(condition) => condition.reads(rises, told),
+            Self::Copy(port) => visit(*port),
+            Self::Real(value) => value.reads(visit),
+            Self::Boolean(condition) => condition.reads(conditions, visit),
             Self::Integer(_) | Self::String(_) | Self::Curve(_) => {}
         }
     }
@@ -23,33 +23,33 @@ impl Drive {
 
 impl Formula {
     /// As [`Drive::reads`].
-    pub fn reads(&self, rises: &[BooleanExpression], told: &mut dyn FnMut(Port)) {
+    pub fn reads(&self, conditions: &[Condition], visit: &mut dyn FnMut(Port)) {
         match self {
-            Self::Margin(margin) => margin.value.reads(told),
-            Self::Condition(condition) => condition.reads(rises, told),
-            Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.reads(rises, told)),
-            Self::Always(_, body) | Self::Eventually(_, body) => body.reads(rises, told),
+            Self::Margin(margin) => margin.value.reads(visit),
+            Self::Condition(condition) => condition.reads(conditions, visit),
+            Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.reads(conditions, visit)),
+            Self::Always(_, body) | Self::Eventually(_, body) => body.reads(conditions, visit),
         }
     }
 }
 
 impl BooleanExpression {
     /// As [`Drive::reads`].
-    pub fn reads(&self, rises: &[Self], told: &mut dyn FnMut(Port)) {
+    pub fn reads(&self, conditions: &[Condition], visit: &mut dyn FnMut(Port)) {
         match self {
             Self::Constant(_) => {}
-            Self::Signal(port) => told(*port),
-            Self::Margin(margin) => margin.value.reads(told),
+            Self::Signal(port) => visit(*port),
+            Self::Margin(margin) => margin.value.reads(visit),
             Self::Same(left, right) => {
                 for operand in [left, right] {
                     if let Operand::Signal(port) = operand {
-                        told(*port);
+                        visit(*port);
                     }
                 }
             }
-            Self::Rises(slot) => rises[*slot].reads(rises, told),
-            Self::Not(of) => of.reads(rises, told),
-            Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.reads(rises, told)),
+            Self::Rises(slot) => conditions[*slot].is.reads(conditions, visit),
+            Self::Not(of) => of.reads(conditions, visit),
+            Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.reads(conditions, visit)),
         }
     }
 
@@ -64,19 +64,19 @@ impl BooleanExpression {
 }
 
 impl RealExpression {
-    fn reads(&self, told: &mut dyn FnMut(Port)) {
+    fn reads(&self, visit: &mut dyn FnMut(Port)) {
         match self {
             Self::Constant(_) | Self::Time => {}
-            Self::Signal(port) => told(*port),
-            Self::Affine { of, .. } | Self::InverseAffine { of, .. } | Self::Negate(of) => of.reads(told),
+            Self::Signal(port) => visit(*port),
+            Self::Affine { of, .. } | Self::InverseAffine { of, .. } | Self::Negate(of) => of.reads(visit),
             Self::Add(left, right)
             | Self::Subtract(left, right)
             | Self::Multiply(left, right)
             | Self::Divide(left, right) => {
-                left.reads(told);
-                right.reads(told);
+                left.reads(visit);
+                right.reads(visit);
             }
-            Self::Call(_, arguments) => arguments.iter().for_each(|argument| argument.reads(told)),
+            Self::Call(_, arguments) => arguments.iter().for_each(|argument| argument.reads(visit)),
         }
     }
 }

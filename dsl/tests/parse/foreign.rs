@@ -9,7 +9,7 @@ use dsl::source::Sources;
 use proptest::prelude::*;
 
 /// The target for foreign bytes.
-fn survives(bytes: &[u8]) {
+fn check_robustness(bytes: &[u8]) {
     let mut sources = Sources::default();
     let text = sources.add("foreign.scn", String::from_utf8_lossy(bytes));
     let parsed = parse(&sources, text);
@@ -34,17 +34,17 @@ fn corpus() -> Vec<Vec<u8>> {
 }
 
 #[test]
-fn every_file_of_the_corpus_is_survived() {
+fn every_file_of_the_corpus_parses_without_panic() {
     let corpus = corpus();
     assert!(corpus.len() > 4, "the corpus is there");
-    corpus.iter().for_each(|bytes| survives(bytes));
+    corpus.iter().for_each(|bytes| check_robustness(bytes));
 }
 
 #[test]
-fn every_beginning_of_a_good_script_is_survived() {
+fn every_beginning_of_a_good_script_parses_without_panic() {
     let script = include_str!("../../corpus/parse/formation.scn");
     for end in (0..script.len()).step_by(3) {
-        survives(&script.as_bytes()[..end]);
+        check_robustness(&script.as_bytes()[..end]);
     }
 }
 
@@ -61,7 +61,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn changed_scripts_are_survived(
+    fn changed_scripts_parse_without_panic(
         file in any::<prop::sample::Index>(),
         changes in prop::collection::vec(change(), 1..6),
     ) {
@@ -71,12 +71,12 @@ proptest! {
             let end = (at + length).min(bytes.len());
             bytes.splice(at..end, text.into_bytes());
         }
-        survives(&bytes);
+        check_robustness(&bytes);
     }
 
     #[test]
-    fn any_bytes_are_survived(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
-        survives(&bytes);
+    fn any_bytes_parse_without_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        check_robustness(&bytes);
     }
 }
 
@@ -84,15 +84,15 @@ proptest! {
 fn nesting_costs_no_more_than_length() {
     for (open, close) in [("(", ")"), ("[", "]"), ("max(1, ", ")"), ("not (", ")"), ("-(", ")"), ("a[", "]")] {
         // Time by the power of the depth would not end.
-        survives(format!("let a = {}1{}\n", open.repeat(120), close.repeat(120)).as_bytes());
-        survives(format!("let a = {}1\n", open.repeat(120)).as_bytes());
+        check_robustness(format!("let a = {}1{}\n", open.repeat(120), close.repeat(120)).as_bytes());
+        check_robustness(format!("let a = {}1\n", open.repeat(120)).as_bytes());
     }
     let deep = format!("let a = {}1{}\n", "(".repeat(256), ")".repeat(256));
     assert_eq!(super::tree(&deep).statements.len(), 1);
 }
 
 #[test]
-fn chains_of_any_length_are_survived() {
+fn chains_of_any_length_parse_without_panic() {
     for part in [
         "1 + ",
         "not ",
@@ -106,8 +106,8 @@ fn chains_of_any_length_are_survived() {
         "for i in 1..2 {\n",
         "a\nimplies ",
     ] {
-        survives(format!("let a = {}1\n", part.repeat(20_000)).as_bytes());
-        survives(part.repeat(20_000).as_bytes());
+        check_robustness(format!("let a = {}1\n", part.repeat(20_000)).as_bytes());
+        check_robustness(part.repeat(20_000).as_bytes());
     }
 }
 

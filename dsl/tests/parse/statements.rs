@@ -220,7 +220,7 @@ fn for_record_and_sweep_hold_lists() {
 }
 
 #[test]
-fn every_comparison_is_told_apart() {
+fn every_comparison_has_its_own_operator() {
     let signs = [
         ("<", Comparator::Less),
         ("<=", Comparator::LessEqual),

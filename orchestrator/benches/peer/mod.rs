@@ -109,7 +109,7 @@ impl Unit {
             initialization: Vec::new(),
             connections: links.flat_map(link).collect(),
             events: Vec::new(),
-            rises: Vec::new(),
+            conditions: Vec::new(),
             claims: Vec::new(),
             columns: Vec::new(),
         }

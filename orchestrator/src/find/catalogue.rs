@@ -3,7 +3,7 @@
 //! A name that ends in `.fmu` is a path beside the script. Any other name is looked up in the folders of `--units`, then
 //! among the unit crates of the cargo workspace that the user's current folder is in. Nothing else is ever built.
 
-use dsl::resolve::UnitProblem;
+use dsl::loader::Problem as UnitProblem;
 use pack::{UnitCrate, Workspace};
 use std::path::{Path, PathBuf};
 

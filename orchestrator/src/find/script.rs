@@ -4,16 +4,18 @@
 
 use crate::find::catalogue::Catalogue;
 use dsl::diagnostic::{Diagnostic, Severity, render};
+use dsl::loader::{Loader, Problem, Table};
 use dsl::parse::{parse, parse_assignment};
-use dsl::resolve::{Request, UnitProblem, Units, resolve, units};
+use dsl::resolve::{Request, resolve};
 use dsl::scenario::Scenario;
-use dsl::source::Sources;
+use dsl::source::{Source, Sources};
 use dsl::syntax::{Binding, File, Instance, StatementKind};
 use fmi2::description::check::check;
 use fmi2::description::{Finding, ModelDescription};
+use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use unit::archive::read_loadable;
 use unit::error::UnitError;
 
@@ -99,17 +101,9 @@ impl Script {
     }
 
     fn resolve(&mut self, file: &File, settings: &[Binding], catalogue: &Catalogue) {
-        let mut known = Units::new();
-        for word in units(file) {
-            let found = find(&word.text, &self.folder, catalogue);
-            let description = found.map(|unit| {
-                let description = Arc::clone(&unit.description);
-                self.units.push(unit);
-                description
-            });
-            known.insert(word.text.clone(), description);
-        }
-        let resolved = resolve(&Request { sources: &self.sources, file, units: &known, settings });
+        let files = Files { name: &self.name, folder: &self.folder, catalogue, units: Mutex::default() };
+        let resolved = resolve(&Request { sources: &self.sources, file, loader: &files, settings });
+        self.units = files.units.into_inner().unwrap_or_else(PoisonError::into_inner);
         self.diagnostics = resolved.diagnostics;
         self.scenario = resolved.scenario;
         let needs = self.needs_of_units(file);
@@ -124,21 +118,24 @@ impl Script {
 
     /// What the libraries of units ask of the process that loads them.
     fn needs_of_units(&self, file: &File) -> Vec<Diagnostic> {
+        let mut instances_of: BTreeMap<&str, Vec<&Instance>> = BTreeMap::new();
+        for statement in &file.statements {
+            if let StatementKind::Fmu(instance) = &statement.kind {
+                instances_of.entry(&instance.unit.text).or_default().push(instance);
+            }
+        }
         let mut needs = Vec::new();
         for unit in &self.units {
             let Some(library) = &unit.description.co_simulation else { continue };
-            let mut instances = file.statements.iter().filter_map(|statement| match &statement.kind {
-                StatementKind::Fmu(instance) if instance.unit.text == unit.name => Some(instance),
-                _ => None,
-            });
-            let Some(first) = instances.next() else { continue };
+            let Some(instances) = instances_of.get(unit.name.as_str()) else { continue };
+            let [first, others @ ..] = instances.as_slice() else { continue };
             if library.needs_execution_tool {
                 let message = format!("unit `{}` says that it needs another program to run", unit.name);
                 let warning = Diagnostic::warning("W05", first.unit.span, message);
                 needs.push(warning.help("make sure that the program it was exported from is installed"));
             }
             if library.can_be_instantiated_only_once_per_process {
-                needs.extend(instances.map(|again| only_once(&unit.name, first, again)));
+                needs.extend(others.iter().map(|again| only_once(&unit.name, first, again)));
             }
         }
         needs
@@ -162,10 +159,95 @@ fn only_once(unit: &str, first: &Instance, again: &Instance) -> Diagnostic {
     Diagnostic::error("E26", again.unit.span, message).label(first.unit.span, "the first")
 }
 
-fn find(name: &str, folder: &Path, catalogue: &Catalogue) -> Result<ScriptUnit, UnitProblem> {
+/// Files beside the script, and the units of the catalogue.
+struct Files<'a> {
+    /// The script as the user named it.
+    name: &'a str,
+    /// The script's folder.
+    folder: &'a Path,
+    catalogue: &'a Catalogue,
+    /// The units that were found, in order of first use.
+    units: Mutex<Vec<ScriptUnit>>,
+}
+
+impl Files<'_> {
+    /// The folder that paths of a text are relative to; what the command line sets is as if the script said it.
+    fn folder_of<'f>(&'f self, from: &'f Source) -> &'f Path {
+        let folder = Path::new(&from.name).parent().filter(|folder| from.name != self.name && *folder != Path::new(""));
+        folder.unwrap_or(self.folder)
+    }
+
+    fn read(&self, from: &Source, path: &str) -> Result<(PathBuf, String), Problem> {
+        let file = self.folder_of(from).join(path);
+        match std::fs::read_to_string(&file) {
+            Ok(text) => Ok((file, text)),
+            Err(error) => Err(Problem { message: format!("`{path}` cannot be read: {error}"), help: None }),
+        }
+    }
+}
+
+impl Loader for Files<'_> {
+    fn unit(&self, from: &Source, name: &str) -> Result<Arc<ModelDescription>, Problem> {
+        let unit = find(name, self.folder_of(from), self.catalogue)?;
+        let description = Arc::clone(&unit.description);
+        self.units.lock().unwrap_or_else(PoisonError::into_inner).push(unit);
+        Ok(description)
+    }
+
+    fn text(&self, from: &Source, path: &str) -> Result<Source, Problem> {
+        let (file, text) = self.read(from, path)?;
+        Ok(Source::new(file.display().to_string(), text))
+    }
+
+    fn table(&self, from: &Source, path: &str) -> Result<Table, Problem> {
+        let (_, text) = self.read(from, path)?;
+        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let mut lines = text.lines().filter(|line| !line.trim().is_empty()).map(cells);
+        Ok(Table { header: lines.next().unwrap_or_default(), rows: lines.collect() })
+    }
+}
+
+/// The cells of a line between commas; a quoted cell may hold commas, and a doubled quote stands for one.
+fn cells(line: &str) -> Vec<String> {
+    let mut cells = vec![String::new()];
+    let mut is_quoted = false;
+    let mut letters = line.chars().peekable();
+    while let Some(letter) = letters.next() {
+        match (letter, cells.last_mut()) {
+            ('"', Some(cell)) if is_quoted && letters.next_if_eq(&'"').is_some() => cell.push('"'),
+            ('"', _) => is_quoted = !is_quoted,
+            (',', _) if !is_quoted => cells.push(String::new()),
+            (letter, Some(cell)) => cell.push(letter),
+            (_, None) => {}
+        }
+    }
+    cells.iter().map(|cell| cell.trim().to_owned()).collect()
+}
+
+fn find(name: &str, folder: &Path, catalogue: &Catalogue) -> Result<ScriptUnit, Problem> {
     let archive = catalogue.find(name, folder)?;
-    let problem = |error: UnitError| UnitProblem { message: error.of_unit(name), help: None };
+    let problem = |error: UnitError| Problem { message: error.of_unit(name), help: None };
     let (description, mut findings) = read_loadable(&archive).map_err(problem)?;
     findings.extend(check(&description));
     Ok(ScriptUnit { name: name.to_owned(), archive, description: Arc::new(description), findings })
+}
+
+#[test]
+fn parts_and_tables_lie_beside_the_text_that_names_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let name = folder.path().join("a.scn").display().to_string();
+    std::fs::create_dir(folder.path().join("parts")).expect("a folder inside");
+    let write = |path: &str, text: &str| std::fs::write(folder.path().join(path), text).expect("a file");
+    write("parts/uav.scn", "param slot = 1 m\n");
+    write("parts/in.csv", "time,\"u, \"\"up\"\" [m/s]\"\n\n0, 1.5\n");
+    let catalogue = Catalogue::new(Vec::new(), folder.path(), false).expect("no folder of units");
+    let files = Files { name: &name, folder: folder.path(), catalogue: &catalogue, units: Mutex::default() };
+    let script = Source::new(name.as_str(), "");
+    let part = files.text(&script, "parts/uav.scn").expect("the part is there");
+    assert_eq!(part.text, "param slot = 1 m\n");
+    let table = files.table(&part, "in.csv").expect("the table is there");
+    assert_eq!(table.header, ["time", "u, \"up\" [m/s]"]);
+    assert_eq!(table.rows, [["0", "1.5"]]);
+    let missing = files.text(&part, "uav.csv").expect_err("no such file");
+    assert!(missing.message.starts_with("`uav.csv` cannot be read"), "{}", missing.message);
 }

@@ -9,7 +9,7 @@ pub use compile::SlotOf;
 mod tests;
 
 use crate::flatten::values::Values;
-use dsl::scenario::{Curve, larger, smaller};
+use dsl::scenario::{Curve, Function};
 
 /// What a program reads: one moment of a run.
 #[derive(Clone, Copy, Debug)]
@@ -38,8 +38,16 @@ enum Operation {
     Integer(u32),
     Boolean(u32),
     Rises(u32),
-    Affine { factor: f64, offset: f64 },
-    InverseAffine { factor: f64, offset: f64 },
+    Affine {
+        factor: f64,
+        offset: f64,
+    },
+    InverseAffine {
+        factor: f64,
+        offset: f64,
+    },
+    /// A function of so many values.
+    Call(Function, u32),
     Unary(Unary),
     Binary(Binary),
     SameText(Box<(Text, Text)>),
@@ -49,15 +57,6 @@ enum Operation {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Unary {
     Negate,
-    Abs,
-    Square,
-    Sqrt,
-    Exp,
-    Log,
-    Floor,
-    Sin,
-    Cos,
-    Tan,
     Not,
     Positive,
     NotNegative,
@@ -69,9 +68,6 @@ enum Binary {
     Subtract,
     Multiply,
     Divide,
-    Min,
-    Max,
-    Atan2,
     Equal,
     And,
     Or,
@@ -106,6 +102,11 @@ impl Program {
                     depth -= 1;
                     (self.stack[depth] - offset) / factor
                 }
+                Operation::Call(function, arguments) => {
+                    let end = depth;
+                    depth -= arguments as usize;
+                    function.apply(&self.stack[depth..end])
+                }
                 Operation::Unary(function) => {
                     depth -= 1;
                     function.apply(self.stack[depth])
@@ -131,15 +132,6 @@ impl Unary {
     fn apply(self, x: f64) -> f64 {
         match self {
             Self::Negate => -x,
-            Self::Abs => x.abs(),
-            Self::Square => x * x,
-            Self::Sqrt => x.sqrt(),
-            Self::Exp => libm::exp(x),
-            Self::Log => libm::log(x),
-            Self::Floor => x.floor(),
-            Self::Sin => libm::sin(x),
-            Self::Cos => libm::cos(x),
-            Self::Tan => libm::tan(x),
             Self::Not => truth(x == 0.0),
             Self::Positive => truth(x > 0.0),
             Self::NotNegative => truth(x >= 0.0),
@@ -154,9 +146,6 @@ impl Binary {
             Self::Subtract => a - b,
             Self::Multiply => a * b,
             Self::Divide => a / b,
-            Self::Min => smaller(a, b),
-            Self::Max => larger(a, b),
-            Self::Atan2 => libm::atan2(a, b),
             Self::Equal => truth(a == b),
             Self::And => truth(a != 0.0 && b != 0.0),
             Self::Or => truth(a != 0.0 || b != 0.0),

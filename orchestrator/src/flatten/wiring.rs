@@ -136,9 +136,9 @@ impl Wiring {
         let initialization =
             scenario.initialization.iter().map(|step| turn(step, scenario, &places, worker_of)).collect();
         let ports = places.take_members();
-        let rises = scenario.rises.iter();
+        let rises = scenario.conditions.iter();
         let rises =
-            rises.map(|condition| Program::compile_condition(condition, &mut |port| places.read(port))).collect();
+            rises.map(|condition| Program::compile_condition(&condition.is, &mut |port| places.read(port))).collect();
         Self {
             step_ns: scenario.step_ns,
             stop_tick: scenario.stop_tick,

@@ -36,7 +36,7 @@ fn after_begins_later_and_a_range_takes_the_last_unit_for_both_ends() {
 }
 
 #[test]
-fn a_limit_is_told_in_the_unit_of_its_literal() {
+fn a_limit_has_the_unit_of_its_literal() {
     let claim = claim("always quad.roll < 35 deg");
     let unit = claim.unit.expect("a margin of reals");
     assert_eq!((unit.name.as_str(), unit.factor), ("deg", std::f64::consts::PI / 180.0));
@@ -90,7 +90,7 @@ fn a_let_may_hold_a_claim_that_an_assert_uses() {
 fn rises_has_one_slot_for_one_condition() {
     let lines =
         "let up = rises(quad.height > 3 m)\nassert a: eventually up\nassert b: always not rises(quad.height > 3 m)";
-    assert_eq!(scenario(&flight(lines)).rises.len(), 1);
+    assert_eq!(scenario(&flight(lines)).conditions.len(), 1);
 }
 
 #[test]

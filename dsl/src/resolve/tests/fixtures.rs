@@ -7,10 +7,11 @@ use fmi2::description::ModelDescription;
 use fmi2::description::read::read;
 
 use crate::diagnostic::render;
+use crate::loader::{Loader, Problem, Table};
 use crate::parse::{parse, parse_assignment};
-use crate::resolve::{Request, Resolved, UnitProblem, Units, resolve, units};
+use crate::resolve::{Request, Resolved, resolve};
 use crate::scenario::Scenario;
-use crate::source::Sources;
+use crate::source::{Source, Sources};
 
 const QUADCOPTER: &str = "
     input continuous Real wind.x m/s start=0
@@ -89,7 +90,7 @@ const UNITS: &str = r#"<UnitDefinitions>
 
 /// A description out of one line for each variable: causality, variability, type, name, unit or type name, and
 /// `start=`, `initial=`, `deps=` (names; an output without is free of inputs).
-pub(super) fn description(name: &str, lines: &str) -> ModelDescription {
+pub(in crate::resolve) fn description(name: &str, lines: &str) -> ModelDescription {
     let lines: Vec<Vec<&str>> = lines
         .lines()
         .map(|line| line.split_whitespace().collect())
@@ -123,17 +124,36 @@ pub(super) fn description(name: &str, lines: &str) -> ModelDescription {
     read(xml.as_bytes()).map_or_else(|finding| panic!("{name}: {finding:?}"), |(description, _)| description)
 }
 
-fn unit(name: &str) -> Result<Arc<ModelDescription>, UnitProblem> {
-    let lines = match name {
-        "quadcopter" => QUADCOPTER,
-        "quadcopter_controller" => CONTROLLER,
-        "wind" => WIND,
-        _ => {
-            let help = Some("units of this workspace: quadcopter, wind".to_owned());
-            return Err(UnitProblem { message: format!("there is no unit `{name}`"), help });
+/// The units of the tests, a part and a table.
+pub(super) struct Memory;
+
+fn missing(what: &str, name: &str) -> Problem {
+    let help = Some("units of this workspace: quadcopter, wind".to_owned());
+    Problem { message: format!("there is no {what} `{name}`"), help }
+}
+
+impl Loader for Memory {
+    fn unit(&self, _: &Source, name: &str) -> Result<Arc<ModelDescription>, Problem> {
+        let lines = match name {
+            "quadcopter" => QUADCOPTER,
+            "quadcopter_controller" => CONTROLLER,
+            "wind" => WIND,
+            _ => return Err(missing("unit", name)),
+        };
+        Ok(Arc::new(description(name, lines)))
+    }
+
+    fn text(&self, _: &Source, path: &str) -> Result<Source, Problem> {
+        if path == "part.scn" { Ok(Source::new(path, "param slot = 1 m\n")) } else { Err(missing("file", path)) }
+    }
+
+    fn table(&self, _: &Source, path: &str) -> Result<Table, Problem> {
+        let cells = |line: [&str; 2]| line.map(str::to_owned).to_vec();
+        match path {
+            "in.csv" => Ok(Table { header: cells(["time", "u [m/s]"]), rows: vec![cells(["0", "1.5"])] }),
+            _ => Err(missing("file", path)),
         }
-    };
-    Ok(Arc::new(description(name, lines)))
+    }
 }
 
 /// A script with what it meant.
@@ -165,8 +185,8 @@ fn attempt(script: &str, settings: &[&str]) -> Result<Outcome, String> {
         .into_iter()
         .map(|setting| parse_assignment(&sources, setting).expect("a setting that parses"))
         .collect();
-    let found: Units = units(&parsed.file).into_iter().map(|word| (word.text.clone(), unit(&word.text))).collect();
-    let resolved = resolve(&Request { sources: &sources, file: &parsed.file, units: &found, settings: &settings });
+    let request = Request { sources: &sources, file: &parsed.file, loader: &Memory, settings: &settings };
+    let resolved = resolve(&request);
     Ok(Outcome { sources, resolved })
 }
 

@@ -1,7 +1,7 @@
 //! What values, conversions, connections and windows mean.
 
 use super::fixtures::{flight, scenario, scenario_with};
-use crate::scenario::{BooleanExpression, Drive, Port, RealExpression, Value};
+use crate::scenario::{BooleanExpression, Drive, Port, RealExpression, Trigger, Value};
 
 /// The driver of one connection, written on a line of its own.
 fn drive(line: &str) -> Drive {
@@ -116,9 +116,9 @@ fn parameters_can_be_typed_again() {
     let lines =
         "param gust = 4 m/s\nparam to = [1, 2] ft\nparam twice = 2 * gust\nparam name = \"a\"\nparam on_air = true";
     let parameters = scenario_with(&flight(lines), &["gust = 30 kn", "to = [1 m, 20 cm]"]).parameters;
-    let told: Vec<_> = parameters.iter().map(|p| (p.name.as_str(), p.value.as_str(), p.set)).collect();
+    let shown_parts: Vec<_> = parameters.iter().map(|p| (p.name.as_str(), p.value.as_str(), p.set)).collect();
     assert_eq!(
-        told,
+        shown_parts,
         [
             ("gust", "30 kn", true),
             ("to", "[1 m, 20 cm]", true),
@@ -143,9 +143,11 @@ fn windows_open_and_close_on_ticks() {
     let lines =
         "at 2 s lasting 500 ms { set quad.wind.x = 3 m/s, set quad.drag = 20 % }\nat 3 s { set quad.wind.x = 1 m/s }";
     let events = scenario(&flight(lines)).events;
-    assert_eq!((events[0].from, events[0].until, events[1].from, events[1].until), (200, Some(250), 300, None));
-    assert_eq!(events[0].sets[0].value, Drive::Real(RealExpression::Constant(3.0)));
-    assert_eq!(events[0].sets[1].target, Port { instance: 1, variable: 10 });
+    let times: Vec<_> = events.iter().map(|event| (event.trigger, event.lasting)).collect();
+    assert_eq!(times, [(Trigger::At(200), Some(50)), (Trigger::At(300), None)]);
+    let sets: Vec<_> = events[0].sets().collect();
+    assert_eq!(sets[0].value, Drive::Real(RealExpression::Constant(3.0)));
+    assert_eq!(sets[1].target, Port { instance: 1, variable: 10 });
 }
 
 #[test]
@@ -165,8 +167,8 @@ wind.velocity => quad.wind";
     assert_eq!(scenario.diagnostics[0].code, "E06");
     let lines = lines.replace("slow.height =>", "slow.height ->");
     let instances = super::fixtures::scenario(&flight(&lines)).instances;
-    let told: Vec<_> = instances.iter().map(|i| (i.name.as_str(), i.every, i.wave)).collect();
-    assert_eq!(told, [("wind", 1, 0), ("quad", 1, 1), ("ctrl", 1, 0), ("slow", 5, 1)]);
+    let shown_parts: Vec<_> = instances.iter().map(|i| (i.name.as_str(), i.every, i.wave)).collect();
+    assert_eq!(shown_parts, [("wind", 1, 0), ("quad", 1, 1), ("ctrl", 1, 0), ("slow", 5, 1)]);
 }
 
 #[test]

@@ -63,7 +63,7 @@ fn a_sum_of_a_length_and_a_time_is_refused() {
 }
 
 #[test]
-fn a_limit_without_unit_is_told_which_to_write() {
+fn a_limit_without_unit_gets_the_unit_to_write_as_help() {
     insta::assert_snapshot!(shown(&flight("assert a: always 0 < quad.height < 5 m")), @r#"
     error[E02]: cannot compare a plain number with a length
      --> test.scn:7:18
@@ -113,7 +113,7 @@ fn a_quantity_for_a_variable_without_unit_is_a_warning() {
 }
 
 #[test]
-fn a_unit_that_is_none_names_the_nearest() {
+fn an_unknown_unit_names_the_nearest() {
     insta::assert_snapshot!(shown(&flight("let a = 3 kgg\nlet b = 4 slgu")), @r#"
     error[E11]: `kgg` is not a unit
      --> test.scn:7:11
@@ -194,8 +194,8 @@ fn in_and_as_need_the_right_units() {
 #[test]
 fn only_a_limit_above_zero_is_advised_as_a_divisor() {
     for limit in ["0 m", "-1 m"] {
-        let told = shown(&flight(&format!("assert a: always (quad.height > {limit} and quad.roll < 35 deg)")));
-        assert!(told.contains("make two asserts") && !told.contains(&format!("/ {limit}")), "{told}");
+        let message = shown(&flight(&format!("assert a: always (quad.height > {limit} and quad.roll < 35 deg)")));
+        assert!(message.contains("make two asserts") && !message.contains(&format!("/ {limit}")), "{message}");
     }
 }
 

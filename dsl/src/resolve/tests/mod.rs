@@ -4,9 +4,12 @@ mod claims;
 mod connections;
 mod fixtures;
 mod initial;
+mod loader;
 mod meaning;
 mod measures;
 mod names;
 mod times;
 mod types;
 mod whole;
+
+pub(in crate::resolve) use fixtures::description;

@@ -97,7 +97,7 @@ fn a_let_may_not_be_called_seed() {
 }
 
 #[test]
-fn names_that_define_each_other_are_told_in_a_circle() {
+fn names_that_define_each_other_are_shown_as_a_circle() {
     insta::assert_snapshot!(shown(&flight("let a = b + 1\nlet b = a + 1\nassert c: always a < 3")), @r#"
     error[E28]: these names define each other: a from b from a
      --> test.scn:7:5
@@ -112,7 +112,7 @@ fn names_that_define_each_other_are_told_in_a_circle() {
 }
 
 #[test]
-fn a_unit_that_was_not_found_is_told_once_and_silences_its_ports() {
+fn a_unit_that_was_not_found_is_reported_once_without_errors_for_its_ports() {
     insta::assert_snapshot!(shown(&flight("fmu eye = \"eagle\"\neye.x -> quad.wind\nassert a: always eye.x > 3 m")), @r#"
     error[E26]: there is no unit `eagle`
      --> test.scn:7:11
@@ -194,8 +194,8 @@ sweep { seed in 1..3 }
 curve(\"in.csv\", \"u\") -> quad.wind
 lead.body.state -> ctrl.state";
     let found = run_with(&flight(lines), &[]).resolved.diagnostics;
-    let told: Vec<_> = found.iter().map(|error| format!("{} {}", error.code, error.message)).collect();
-    insta::assert_snapshot!(told.join("\n"), @r#"
+    let messages: Vec<_> = found.iter().map(|error| format!("{} {}", error.code, error.message)).collect();
+    insta::assert_snapshot!(messages.join("\n"), @r#"
     E20 `use` is not known to this version of lockstep yet
     E20 `for` is not known to this version of lockstep yet
     E20 `when` is not known to this version of lockstep yet
@@ -225,7 +225,7 @@ fn a_refusal_says_what_to_do() {
 }
 
 #[test]
-fn an_unknown_parameter_of_the_command_line_is_told_in_its_own_text() {
+fn an_unknown_parameter_of_the_command_line_is_shown_in_its_own_text() {
     insta::assert_snapshot!(shown_with(&flight("param gust = 4 m/s"), &["gsut = 3 m/s"]), @r#"
     error[E01]: the script has no parameter `gsut`
      --> --set:1:1

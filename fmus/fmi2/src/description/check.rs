@@ -14,7 +14,7 @@ mod variables;
 
 use std::collections::BTreeMap;
 
-use super::{Finding, ModelDescription, Position, SimpleType, UnitDefinition};
+use super::{Finding, Kind, ModelDescription, Position, SimpleType, TypeKind, UnitDefinition, Variable};
 
 /// All violations of the rules, in the file's order. Findings of [`read`](super::read::read) are not repeated.
 #[must_use]
@@ -47,6 +47,15 @@ impl<'a> Report<'a> {
         let units = model.units.iter().rev().map(|unit| (unit.name.as_str(), unit)).collect();
         let types = model.types.iter().rev().map(|declared| (declared.name.as_str(), declared)).collect();
         Self { model, units, types, findings: Vec::new() }
+    }
+
+    /// As [`ModelDescription::unit_of`], without a search through all types.
+    fn unit_of(&self, variable: &'a Variable) -> Option<&'a str> {
+        let Kind::Real(own) = &variable.kind else { return None };
+        own.unit.as_deref().or_else(|| match &self.types.get(variable.declared_type.as_deref()?)?.kind {
+            TypeKind::Real(real) => real.unit.as_deref(),
+            _ => None,
+        })
     }
 
     fn error(&mut self, rule: &'static str, position: Position, message: impl Into<String>) {

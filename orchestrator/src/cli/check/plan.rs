@@ -2,7 +2,7 @@
 
 use super::counted;
 use super::fold::{groups, without_shared_members};
-use dsl::scenario::{Connection, Drive, InitialStep, Port, RealExpression, Scenario};
+use dsl::scenario::{Connection, Drive, InitialStep, Port, RealExpression, Scenario, duration};
 use fmi2::description::{Causality, ModelDescription, Variable};
 use results::shortest_decimal;
 use std::fmt::Write;
@@ -81,7 +81,7 @@ impl Plan<'_> {
 
     fn arrow(&self, connection: &Connection) -> Arrow {
         let mut sources = Vec::new();
-        connection.source.reads(&self.scenario.rises, &mut |port| {
+        connection.source.reads(&self.scenario.conditions, &mut |port| {
             if !sources.contains(&port) {
                 sources.push(port);
             }
@@ -202,13 +202,6 @@ fn converted(expression: &RealExpression) -> Option<Port> {
         RealExpression::Affine { of, .. } | RealExpression::InverseAffine { of, .. } => converted(of),
         _ => None,
     }
-}
-
-/// A period in the largest unit in which it is a whole number.
-fn duration(nanoseconds: u64) -> String {
-    let units = [(1_000_000_000, "s"), (1_000_000, "ms"), (1_000, "us"), (1, "ns")];
-    let whole = units.into_iter().find(|(size, _)| nanoseconds.is_multiple_of(*size) && nanoseconds > 0);
-    whole.map_or_else(|| "0 s".to_owned(), |(size, unit)| format!("{} {unit}", nanoseconds / size))
 }
 
 fn width<'a>(texts: impl Iterator<Item = &'a str>) -> usize {

@@ -105,44 +105,13 @@ impl Compiler<'_, '_> {
     }
 
     fn call(&mut self, function: Function, arguments: &[RealExpression]) {
-        match function {
-            Function::Min => self.fold(arguments, None, Binary::Min),
-            Function::Max => self.fold(arguments, None, Binary::Max),
-            Function::Sum => self.fold(arguments, None, Binary::Add),
-            Function::Atan2 => self.fold(arguments, None, Binary::Atan2),
-            Function::Mean => {
-                self.fold(arguments, None, Binary::Add);
-                #[expect(clippy::cast_precision_loss, reason = "nobody writes 2^53 arguments")]
-                self.push(Operation::Push(arguments.len() as f64));
-                self.binary(Binary::Divide);
-            }
-            Function::Norm => {
-                self.fold(arguments, Some(Unary::Square), Binary::Add);
-                self.unary(Unary::Sqrt);
-            }
-            Function::Abs => self.fold(arguments, Some(Unary::Abs), Binary::Add),
-            Function::Sqrt => self.fold(arguments, Some(Unary::Sqrt), Binary::Add),
-            Function::Exp => self.fold(arguments, Some(Unary::Exp), Binary::Add),
-            Function::Log => self.fold(arguments, Some(Unary::Log), Binary::Add),
-            Function::Floor => self.fold(arguments, Some(Unary::Floor), Binary::Add),
-            Function::Sin => self.fold(arguments, Some(Unary::Sin), Binary::Add),
-            Function::Cos => self.fold(arguments, Some(Unary::Cos), Binary::Add),
-            Function::Tan => self.fold(arguments, Some(Unary::Tan), Binary::Add),
-        }
-    }
-
-    /// Joins the arguments from left to right, each one first passed through `each`.
-    fn fold(&mut self, arguments: &[RealExpression], each: Option<Unary>, join: Binary) {
         assert!(!arguments.is_empty(), "a function was resolved without arguments");
-        for (position, argument) in arguments.iter().enumerate() {
+        for argument in arguments {
             self.real(argument);
-            if let Some(function) = each {
-                self.unary(function);
-            }
-            if position > 0 {
-                self.binary(join);
-            }
         }
+        let count = u32::try_from(arguments.len()).unwrap_or(u32::MAX);
+        self.operations.push(Operation::Call(function, count));
+        self.depth -= arguments.len() - 1;
     }
 
     fn condition(&mut self, condition: &BooleanExpression) {

@@ -5,7 +5,7 @@ use super::groups::Group;
 use super::slot_table::SlotTable;
 use crate::flatten::expression::Moment;
 use crate::flatten::values::{Slot, Values};
-use dsl::scenario::{Port, Scenario, Value};
+use dsl::scenario::{Port, Scenario, Trigger, Value};
 use fmi2::description::BaseType;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -77,7 +77,8 @@ pub(super) fn plan(
     let mut known = BTreeMap::new();
     let mut changes = Vec::new();
     for event in &scenario.events {
-        for set in &event.sets {
+        let Trigger::At(from) = event.trigger else { unreachable!("the resolver refuses `when` and `while`") };
+        for set in event.sets() {
             let to = places.pick_input(set.target).slot;
             let group = places.group_of(set.target.instance);
             let of_group = &mut overrides[group];
@@ -90,12 +91,12 @@ pub(super) fn plan(
             let index = sets.len();
             sets.push(Computed::new(&set.value, to, places));
             let change = |tick, effect| Change { tick, group, target, effect };
-            match event.until {
-                Some(until) => {
-                    changes.push(change(event.from, Effect::Open(index)));
-                    changes.push(change(until, Effect::Close(index)));
+            match event.lasting {
+                Some(lasting) => {
+                    changes.push(change(from, Effect::Open(index)));
+                    changes.push(change(from.saturating_add(lasting), Effect::Close(index)));
                 }
-                None => changes.push(change(event.from, Effect::Stay(index))),
+                None => changes.push(change(from, Effect::Stay(index))),
             }
         }
     }

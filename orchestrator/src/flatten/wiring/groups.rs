@@ -56,7 +56,7 @@ pub fn form(scenario: &Scenario, worker_of: &[usize]) -> (Vec<Group>, Vec<Range<
     let mut readers = vec![BTreeSet::new(); scenario.instances.len()];
     for arrow in scenario.connections.iter().filter(|arrow| arrow.direct) {
         let target_every = scenario.instances[arrow.target.instance].every;
-        arrow.source.reads(&scenario.rises, &mut |port| {
+        arrow.source.reads(&scenario.conditions, &mut |port| {
             let source_every = scenario.instances[port.instance].every;
             readers[port.instance].insert(source_every.max(target_every));
         });

@@ -250,21 +250,21 @@ impl Ports {
 /// Inputs and tunable parameters that the script ever drives.
 fn driven(scenario: &Scenario) -> BTreeSet<Port> {
     let connected = scenario.connections.iter().map(|connection| connection.target);
-    let set = scenario.events.iter().flat_map(|event| event.sets.iter().map(|set| set.target));
+    let set = scenario.events.iter().flat_map(|event| event.sets().map(|set| set.target));
     connected.chain(set).collect()
 }
 
 /// Ports that connections, `set`, conditions or claims read: those whose values must be finite.
 fn counting(scenario: &Scenario) -> BTreeSet<Port> {
     let mut ports = BTreeSet::new();
-    let (rises, told) = (&scenario.rises, &mut |port| {
+    let (conditions, told) = (&scenario.conditions, &mut |port| {
         ports.insert(port);
     });
-    let sets = scenario.events.iter().flat_map(|event| &event.sets).map(|set| &set.value);
+    let sets = scenario.events.iter().flat_map(dsl::scenario::Event::sets).map(|set| &set.value);
     let drives = scenario.connections.iter().map(|connection| &connection.source).chain(sets);
-    drives.for_each(|drive| drive.reads(rises, told));
-    rises.iter().for_each(|condition| condition.reads(rises, told));
-    scenario.claims.iter().for_each(|claim| claim.formula.reads(rises, told));
+    drives.for_each(|drive| drive.reads(conditions, told));
+    conditions.iter().for_each(|condition| condition.is.reads(conditions, told));
+    scenario.claims.iter().for_each(|claim| claim.formula.reads(conditions, told));
     ports
 }
 

@@ -61,8 +61,8 @@ fn scenario(ticks: u64) -> Scenario {
         instances: vec![instance("a", 0), instance("b", 1)],
         initialization: Vec::new(),
         connections: vec![arrow(0, Drive::Real(computed), false), arrow(1, Drive::Copy(port(0, Y)), true)],
-        events: vec![Event { from: 20, until: Some(40), sets: vec![enabled] }],
-        rises: Vec::new(),
+        events: vec![Event::at(20, Some(20), vec![enabled])],
+        conditions: Vec::new(),
         claims: claims(),
         columns: [(0, U), (0, Y), (1, Y), (0, ENABLED)].map(column).to_vec(),
     }

@@ -30,8 +30,7 @@ pub(super) fn check(report: &mut Report) {
 }
 
 /// What two aliases must have in common.
-fn pair(report: &mut Report, first: &Variable, other: &Variable) {
-    let model = report.model;
+fn pair<'a>(report: &mut Report<'a>, first: &'a Variable, other: &'a Variable) {
     let share = format!("`{}` and `{}` share value reference {}", first.name, other.name, first.value_reference);
     let constants = [first, other].map(|alias| alias.variability == Variability::Constant);
     if constants[0] != constants[1] {
@@ -39,7 +38,7 @@ fn pair(report: &mut Report, first: &Variable, other: &Variable) {
     } else if constants[0] && !same_start(first, other) {
         report.error(RULE, other.position, format!("{share} and are constant, but start with different values"));
     }
-    let [left, right] = [first, other].map(|alias| model.unit_of(alias));
+    let [left, right] = [first, other].map(|alias| report.unit_of(alias));
     if left != right {
         let [left, right] =
             [left, right].map(|unit| unit.map_or("no unit".to_owned(), |unit| format!("the unit `{unit}`")));

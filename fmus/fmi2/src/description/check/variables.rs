@@ -157,7 +157,7 @@ fn declared_type(report: &mut Report, variable: &Variable) {
     }
 }
 
-fn real_variable(report: &mut Report, variable: &Variable, real: &RealVariable) {
+fn real_variable<'a>(report: &mut Report<'a>, variable: &'a Variable, real: &RealVariable) {
     let (name, at, model) = (&variable.name, variable.position, report.model);
     let what = format!("`{name}`");
     let place = attributes::Place { rule: RULE, position: at, what: &what };
@@ -165,7 +165,8 @@ fn real_variable(report: &mut Report, variable: &Variable, real: &RealVariable) 
     // The unit of an undefined type is unknown.
     let type_is_known = variable.declared_type.as_deref().is_none_or(|declared| report.types.contains_key(declared));
     if type_is_known {
-        attributes::display_unit(report, &place, &real.attributes, model.unit_of(variable));
+        let inherited = report.unit_of(variable);
+        attributes::display_unit(report, &place, &real.attributes, inherited);
     }
     if real.reinit && !model.has_model_exchange {
         report.warning(RULE, at, format!("`{name}` has reinit, which means something for model exchange only"));

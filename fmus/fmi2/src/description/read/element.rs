@@ -1,6 +1,6 @@
 //! One element of the file with its attributes as typed values; unreadable ones become findings.
 
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::str::FromStr;
 
 use crate::description::{Finding, Position};
@@ -8,18 +8,27 @@ use crate::description::{Finding, Position};
 /// Findings beyond this number are left out: in a file that is wrong everywhere they have one cause.
 const MAX_FINDINGS: usize = 1000;
 
+/// Bytes between two noted places; counting on from one of them is all that a position costs.
+const STRIDE: usize = 256;
+
 /// The text being read, and the findings.
 pub(super) struct Source<'a> {
     text: &'a str,
-    /// The last position computed: elements are visited in the file's order, so the next position is near.
-    last: Cell<(usize, Position)>,
+    /// The position of every [`STRIDE`]th byte, or of the character that it is part of.
+    marks: Vec<(usize, Position)>,
     findings: RefCell<Vec<Finding>>,
 }
 
 impl<'a> Source<'a> {
     pub(super) fn new(text: &'a str) -> Self {
-        let last = Cell::new((0, Position { line: 1, column: 1 }));
-        Self { text, last, findings: RefCell::default() }
+        let mut marks = Vec::with_capacity(text.len() / STRIDE + 1);
+        let mut last = (0, Position { line: 1, column: 1 });
+        for byte in (0..=text.len()).step_by(STRIDE) {
+            let byte = text.floor_char_boundary(byte);
+            last = (byte, after(last.1, &text[last.0..byte]));
+            marks.push(last);
+        }
+        Self { text, marks, findings: RefCell::default() }
     }
 
     pub(super) fn extend(&self, findings: impl IntoIterator<Item = Finding>) {
@@ -38,20 +47,21 @@ impl<'a> Source<'a> {
     }
 
     fn place(&self, byte: usize) -> Position {
-        let (from, mut position) = match self.last.get() {
-            last if last.0 <= byte => last,
-            _ => (0, Position { line: 1, column: 1 }),
-        };
-        for letter in self.text.get(from..byte).unwrap_or_default().chars() {
-            if letter == '\n' {
-                position = Position { line: position.line + 1, column: 1 };
-            } else {
-                position.column = position.column.saturating_add(1);
-            }
-        }
-        self.last.set((byte, position));
-        position
+        let (from, position) = self.marks[(byte / STRIDE).min(self.marks.len() - 1)];
+        after(position, self.text.get(from..byte).unwrap_or_default())
     }
+}
+
+/// The position behind a text that begins at another.
+fn after(mut position: Position, text: &str) -> Position {
+    for letter in text.chars() {
+        if letter == '\n' {
+            position = Position { line: position.line + 1, column: 1 };
+        } else {
+            position.column = position.column.saturating_add(1);
+        }
+    }
+    position
 }
 
 /// One element.
@@ -255,4 +265,13 @@ impl Number for i8 {
 /// Converts an index that counts from 1 to one that counts from 0; 0 becomes `usize::MAX`, which the checker reports.
 pub(super) fn from_one(index: u32) -> usize {
     index.checked_sub(1).map_or(usize::MAX, |index| index as usize)
+}
+
+#[test]
+fn a_position_is_counted_in_lines_and_characters_wherever_it_is_asked_for() {
+    let text = format!("{}\né{}<x/>", "ä".repeat(STRIDE), "é\n".repeat(STRIDE));
+    let source = Source::new(&text);
+    let at = |byte| (source.place(byte).line, source.place(byte).column);
+    assert_eq!(at(text.len() - 4), (2 + 256, 1));
+    assert_eq!((at(0), at(2), at(2 * STRIDE), at(2 * STRIDE + 3)), ((1, 1), (1, 2), (1, 257), (2, 2)));
 }

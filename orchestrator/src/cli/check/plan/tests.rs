@@ -1,9 +1,11 @@
 //! Tests of the plan of a script, from its text.
 
-use super::{duration, text};
+use super::text;
+use dsl::loader::{Loader, Problem, Table};
 use dsl::parse::parse;
-use dsl::resolve::{Request, Units, resolve};
-use dsl::source::Sources;
+use dsl::resolve::{Request, resolve};
+use dsl::source::{Source, Sources};
+use fmi2::description::ModelDescription;
 use fmi2::description::read::read;
 use std::sync::Arc;
 
@@ -48,6 +50,23 @@ first.level.x + second.level.x -> third.inflow.x
 assert low: always first.spill < 3 m
 ";
 
+/// The one unit of the script.
+struct Tank(Arc<ModelDescription>);
+
+impl Loader for Tank {
+    fn unit(&self, _: &Source, _: &str) -> Result<Arc<ModelDescription>, Problem> {
+        Ok(Arc::clone(&self.0))
+    }
+
+    fn text(&self, _: &Source, path: &str) -> Result<Source, Problem> {
+        unreachable!("the script names no text, but `{path}` was asked for")
+    }
+
+    fn table(&self, _: &Source, path: &str) -> Result<Table, Problem> {
+        unreachable!("the script names no table, but `{path}` was asked for")
+    }
+}
+
 #[test]
 fn a_plan_shows_periods_waves_conversions_initialization_and_delays() {
     let mut sources = Sources::default();
@@ -55,14 +74,8 @@ fn a_plan_shows_periods_waves_conversions_initialization_and_delays() {
     let parsed = parse(&sources, file);
     let (description, _) = read(TANK.as_bytes()).unwrap();
     let description = Arc::new(description);
-    let units = Units::from([("tank".to_owned(), Ok(Arc::clone(&description)))]);
-    let resolved = resolve(&Request { sources: &sources, file: &parsed.file, units: &units, settings: &[] });
+    let tank = Tank(Arc::clone(&description));
+    let resolved = resolve(&Request { sources: &sources, file: &parsed.file, loader: &tank, settings: &[] });
     let scenario = resolved.scenario.unwrap_or_else(|| panic!("{:?}", resolved.diagnostics));
     insta::assert_snapshot!(text(&scenario, &[description.as_ref(); 3]));
-}
-
-#[test]
-fn a_period_is_told_in_the_largest_unit_that_fits() {
-    let told = [2_000_000_000, 5_000_000, 1_500, 7].map(duration);
-    assert_eq!(told, ["2 s", "5 ms", "1500 ns", "7 ns"]);
 }

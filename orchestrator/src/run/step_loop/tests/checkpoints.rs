@@ -40,7 +40,7 @@ pub fn everything(ticks: u64) -> Script {
     let mut script = script.at(2, Some(3), port(0, P), number(1.0));
     script.scenario.stop_tick = ticks;
     let rises = BooleanExpression::Margin(Margin { value: signal(1), strict: true });
-    script.scenario.rises = vec![rises];
+    script.scenario.conditions = vec![dsl::scenario::Condition { is: rises, held_ticks: 0 }];
     let risen = Formula::Condition(BooleanExpression::Rises(0));
     let unbounded = Formula::Eventually(TickWindow { from: 0, to: None }, Box::new(above(signal(4), 9.0)));
     let script = script.always(within(4, above(signal(1), 3.0))).always(unbounded).always(within(3, risen));
@@ -120,7 +120,7 @@ fn a_checkpoint_of_another_shape_fits_no_run() {
     assert!(!fits(everything(15).always(above(signal(0), 0.0))), "a claim more");
     assert!(!fits(everything(15).connect(3, 0, false)), "an input more");
     let mut otherwise = everything(15);
-    otherwise.scenario.rises.clear();
+    otherwise.scenario.conditions.clear();
     otherwise.scenario.claims.remove(2);
     assert!(!fits(otherwise), "a rise less");
     let mut direct = everything(15);

@@ -117,7 +117,7 @@ impl Script {
             initialization: Vec::new(),
             connections: Vec::new(),
             events: Vec::new(),
-            rises: Vec::new(),
+            conditions: Vec::new(),
             claims: Vec::new(),
             columns: Vec::new(),
         };
@@ -138,7 +138,8 @@ impl Script {
     }
 
     pub fn at(mut self, from: u64, until: Option<u64>, target: Port, value: RealExpression) -> Self {
-        self.scenario.events.push(Event { from, until, sets: vec![Set { target, value: Drive::Real(value) }] });
+        let set = Set { target, value: Drive::Real(value) };
+        self.scenario.events.push(Event::at(from, until.map(|until| until - from), vec![set]));
         self
     }
 

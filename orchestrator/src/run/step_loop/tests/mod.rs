@@ -109,10 +109,11 @@ fn an_input_that_nobody_drives_keeps_its_start_value() {
 fn rises_holds_at_the_sample_at_which_its_condition_begins_to_hold() {
     let above = |limit: f64| {
         let value = RealExpression::Subtract(Box::new(TIME), Box::new(number(limit)));
-        BooleanExpression::Margin(Margin { value, strict: false })
+        let is = BooleanExpression::Margin(Margin { value, strict: false });
+        dsl::scenario::Condition { is, held_ticks: 0 }
     };
     let mut script = Script::new(vec![repeater(1, 0)]);
-    script.scenario.rises = vec![above(0.0), above(3.0)];
+    script.scenario.conditions = vec![above(0.0), above(3.0)];
     let either = BooleanExpression::Or(vec![BooleanExpression::Rises(0), BooleanExpression::Rises(1)]);
     let shown = dsl::scenario::Formula::Condition(BooleanExpression::Not(Box::new(either)));
     script.fail_fast = true;
@@ -120,7 +121,7 @@ fn rises_holds_at_the_sample_at_which_its_condition_begins_to_hold() {
     let ran = script.always(shown.clone()).record(&[(0, U)]).run();
     assert_eq!(ran.rows.len(), 1, "the first sample counts as a rise");
     let mut script = Script::new(vec![repeater(1, 0)]);
-    script.scenario.rises = vec![above(10.0), above(3.0)];
+    script.scenario.conditions = vec![above(10.0), above(3.0)];
     script.fail_fast = true;
     assert_eq!(script.always(shown).record(&[(0, U)]).run().rows.len(), 4);
 }
@@ -173,6 +174,6 @@ fn the_number_of_workers_changes_no_row() {
 fn a_set_takes_the_value_of_another_port_of_its_type() {
     let mut script = Script::new(vec![counter(1, 0), repeater(1, 0)]).record(&[(1, U)]);
     let set = dsl::scenario::Set { target: port(1, U), value: Drive::Copy(port(0, Y)) };
-    script.scenario.events.push(dsl::scenario::Event { from: 2, until: None, sets: vec![set] });
+    script.scenario.events.push(dsl::scenario::Event::at(2, None, vec![set]));
     assert_eq!(script.run().column(0), [0.5, 0.5, 2.0, 3.0, 4.0, 5.0, 5.0]);
 }

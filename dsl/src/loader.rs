@@ -1,0 +1,49 @@
+//! What a script names outside its own text: units, other texts and tables, asked for through a trait.
+//!
+//! The crate opens no file. The command line reads from disk, tests from memory, an editor from its buffers.
+
+use std::sync::Arc;
+
+use fmi2::description::ModelDescription;
+
+use crate::source::Source;
+
+/// Answers what a script asks for. `from` is the text that names something: paths are relative to its place. The same question
+/// is answered in the same way for as long as a script is resolved, and the resolver asks it once.
+pub trait Loader: Sync {
+    /// The description of a unit by the text of an `fmu` line: a path that ends in `.fmu`, or a name.
+    ///
+    /// # Errors
+    /// Why the unit cannot be used.
+    fn unit(&self, from: &Source, name: &str) -> Result<Arc<ModelDescription>, Problem>;
+
+    /// The text of a part, which `use x = "part.scn"` names. `use` is not known yet, so nothing asks for it.
+    ///
+    /// # Errors
+    /// Why the text cannot be read.
+    fn text(&self, from: &Source, path: &str) -> Result<Source, Problem>;
+
+    /// A table of values over time, which `curve("in.csv", "u")` names. `curve` is not known yet, so nothing asks for it.
+    ///
+    /// # Errors
+    /// Why the table cannot be read.
+    fn table(&self, from: &Source, path: &str) -> Result<Table, Problem>;
+}
+
+/// Why something cannot be loaded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// What is wrong, in one line without a full stop.
+    pub message: String,
+    /// How to fix it.
+    pub help: Option<String>,
+}
+
+/// The cells of a table as they are written, without quotes; the resolver gives them a meaning.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Table {
+    /// The names of the columns.
+    pub header: Vec<String>,
+    /// The rows below.
+    pub rows: Vec<Vec<String>>,
+}

@@ -1,0 +1,67 @@
+//! What the resolver asks its loader.
+
+use std::sync::{Arc, Mutex};
+
+use fmi2::description::ModelDescription;
+
+use super::fixtures::{Memory, flight};
+use crate::loader::{Loader, Problem, Table};
+use crate::parse::parse;
+use crate::resolve::{Request, resolve};
+use crate::source::{Source, Sources};
+
+/// Answers from memory and notes what was asked.
+#[derive(Default)]
+struct Noting(Mutex<Vec<String>>);
+
+impl Noting {
+    fn note(&self, what: &str, from: &Source, name: &str) {
+        self.0.lock().expect("no test panics here").push(format!("{what} {name} for {}", from.name));
+    }
+}
+
+impl Loader for Noting {
+    fn unit(&self, from: &Source, name: &str) -> Result<Arc<ModelDescription>, Problem> {
+        self.note("unit", from, name);
+        Memory.unit(from, name)
+    }
+
+    fn text(&self, from: &Source, path: &str) -> Result<Source, Problem> {
+        self.note("text", from, path);
+        Memory.text(from, path)
+    }
+
+    fn table(&self, from: &Source, path: &str) -> Result<Table, Problem> {
+        self.note("table", from, path);
+        Memory.table(from, path)
+    }
+}
+
+fn asked(script: &str) -> Vec<String> {
+    let mut sources = Sources::default();
+    let text = sources.add("scenarios/test.scn", script);
+    let parsed = parse(&sources, text);
+    let loader = Noting::default();
+    let resolved = resolve(&Request { sources: &sources, file: &parsed.file, loader: &loader, settings: &[] });
+    assert!(!resolved.diagnostics.is_empty(), "nothing is connected");
+    loader.0.into_inner().expect("no test panics here")
+}
+
+#[test]
+fn a_unit_is_asked_for_once_in_the_order_of_the_script() {
+    let script = flight("fmu second = \"quadcopter\"\nfmu third = \"glider\"\nfmu fourth = \"glider\"");
+    assert_eq!(
+        asked(&script),
+        ["wind", "quadcopter", "quadcopter_controller", "glider"]
+            .map(|name| format!("unit {name} for scenarios/test.scn"))
+    );
+}
+
+#[test]
+fn parts_and_tables_are_not_asked_for_before_the_language_knows_them() {
+    let script = flight("use lead = \"part.scn\"\nlet u = curve(\"in.csv\", \"u\")");
+    assert!(asked(&script).iter().all(|question| question.starts_with("unit ")));
+    let from = Source::new("test.scn", "");
+    assert_eq!(Memory.text(&from, "part.scn").map(|part| part.name), Ok("part.scn".to_owned()));
+    assert_eq!(Memory.table(&from, "in.csv").map(|table| table.header.len()), Ok(2));
+}
