@@ -1,12 +1,14 @@
-//! Field metadata of `trace.parquet`: the key `ARROW:schema`, where Arrow readers look for what Parquet has no place for.
+//! Field metadata of `trace.parquet`: the key `ARROW:schema`, where Arrow readers look for what Parquet has no place
+//! for.
 //!
 //! ```text
 //! base64 of   FFFFFFFF, length, Message (Flatbuffers)
 //!                               └─ Schema ─ fields: name, type, custom_metadata: key, value
 //! ```
 //!
-//! The value is a schema message of the Arrow columnar format, section "Encapsulated message format"; its tables stand in
-//! Arrow's `Message.fbs` and `Schema.fbs`. Every cell of a table has 4 bytes here, since none of the values needs more.
+//! The value is a schema message of the Arrow columnar format, section "Encapsulated message format"; its tables stand
+//! in Arrow's `Message.fbs` and `Schema.fbs`. Every cell of a table has 4 bytes here, since none of the values needs
+//! more.
 
 use super::signals::{Signal, SlotType};
 use base64::prelude::{BASE64_STANDARD, Engine};
@@ -80,7 +82,7 @@ impl Buffer {
         self.0.extend((number as u32).to_le_bytes());
     }
 
-    /// Adds cells in a row, then what lies behind those that are no numbers.
+    /// Adds a row of cells, then the values to which the cells that are not numbers point.
     fn cells(&mut self, values: &[&Value]) {
         let first = self.0.len();
         for value in values {
@@ -88,14 +90,14 @@ impl Buffer {
         }
         for (at, value) in (first..).step_by(4).zip(values) {
             if !matches!(value, Value::Number(_)) {
-                let offset = (self.behind(value) - at) as u32;
+                let offset = (self.referenced(value) - at) as u32;
                 self.0[at..at + 4].copy_from_slice(&offset.to_le_bytes());
             }
         }
     }
 
-    /// Adds what a cell leads to, and says where it begins.
-    fn behind(&mut self, value: &Value) -> usize {
+    /// Adds the value that a cell's offset points to, and returns where it begins.
+    fn referenced(&mut self, value: &Value) -> usize {
         let begin = self.0.len();
         match value {
             Value::Number(_) => unreachable!("a number stands in its cell"),

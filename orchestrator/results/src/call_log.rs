@@ -1,4 +1,4 @@
-//! `fmi-calls.NAME.log`: every call of one instance, as its process tells it.
+//! `fmi-calls.NAME.log`: every call of one instance, as its process logs it.
 
 use super::TraceError;
 use super::run_folder::{PartialFile, RunFolder, call_log_name};
@@ -8,7 +8,7 @@ use std::io::{BufWriter, Write};
 #[derive(Debug)]
 pub struct CallLog {
     file: BufWriter<PartialFile>,
-    /// Whether a call has begun and not yet come back.
+    /// Whether a call has begun and not yet returned.
     open: bool,
 }
 
@@ -16,25 +16,25 @@ impl CallLog {
     /// Begins the file of an instance.
     ///
     /// # Errors
-    /// If the system refuses to create it; the error names the file.
+    /// The file cannot be created; the error names it.
     pub fn begin(folder: &RunFolder, instance: &str) -> Result<Self, TraceError> {
         Ok(Self { file: BufWriter::new(folder.begin(&call_log_name(instance))?), open: false })
     }
 
-    /// Adds what the process told.
+    /// Adds a piece of the log.
     ///
     /// # Errors
-    /// If the system refuses to write; the error names the file.
+    /// The file cannot be written; the error names it.
     pub fn add(&mut self, piece: &[u8]) -> Result<(), TraceError> {
         self.open = piece.last() != Some(&b'\n');
         let written = self.file.write_all(piece);
         self.file.get_ref().named(written)
     }
 
-    /// Writes what is there.
+    /// Writes all buffered data.
     ///
     /// # Errors
-    /// If the system refuses to write; the error names the file.
+    /// The file cannot be written; the error names it.
     pub fn save(&mut self) -> Result<(), TraceError> {
         let written = self.file.flush();
         self.file.get_ref().named(written)
@@ -43,7 +43,7 @@ impl CallLog {
     /// Ends the file and gives it its final name.
     ///
     /// # Errors
-    /// If the system refuses to write or to rename; the error names the file.
+    /// The file cannot be written or renamed; the error names it.
     pub fn finish(mut self) -> Result<(), TraceError> {
         if self.open {
             self.add(b"\n")?;

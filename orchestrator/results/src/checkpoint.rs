@@ -1,10 +1,10 @@
-//! Checkpoint files: which run was saved, around a checkpoint that another crate reads; no byte is trusted unchecked.
+//! Checkpoint files: the identity of the saved run and the serialized checkpoint, which another crate reads.
 //!
 //! ```text
 //! magic │ format │ length of the content │ SHA-256 of the content │ content: version of Lockstep, identity, checkpoint
 //! ```
 //!
-//! Numbers are written lowest byte first; the content is postcard's.
+//! Numbers are little-endian; the content is serialized by postcard. All bytes are checked before use.
 
 use super::TraceError;
 use super::run_folder::PARTIAL;
@@ -21,7 +21,7 @@ pub const MAGIC: &[u8; 8] = b"LOCKCKPT";
 /// The version of the layout.
 pub const FORMAT: u32 = 1;
 
-/// What a run has to have in common with the one that was saved.
+/// What must be equal in a run and in the saved run that it continues.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// SHA-256 of the script.
@@ -39,7 +39,7 @@ pub struct Identity {
 /// Why a run cannot continue from a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CheckpointError {
-    /// It does not begin as one.
+    /// The file does not begin like a checkpoint file.
     NoCheckpoint,
     /// Its format has this number.
     Format(u32),
@@ -61,7 +61,7 @@ pub enum CheckpointError {
         /// The communication step.
         step_ns: u64,
     },
-    /// It says that it is of this run, but holds something else.
+    /// Its identity is that of this run, but its content does not fit.
     Unfit,
 }
 
@@ -144,7 +144,7 @@ impl Identity {
         Ok(checkpoint)
     }
 
-    /// Tells all that differs from the run that was saved.
+    /// Returns all differences from the saved run as an error.
     fn compare(&self, saved: &Self) -> Result<(), CheckpointError> {
         let hash = |sha256: &str| format!("sha256 {}…", sha256.chars().take(12).collect::<String>().escape_debug());
         let hashes = |files: &[HashedFile]| -> Vec<_> {
@@ -176,7 +176,7 @@ impl Identity {
     }
 }
 
-/// Checks what stands before the content.
+/// Checks the header and returns the content.
 fn content(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
     let rest = bytes.strip_prefix(MAGIC).ok_or(CheckpointError::NoCheckpoint)?;
     let (format, rest) = rest.split_first_chunk().ok_or(CheckpointError::Damaged)?;
@@ -190,7 +190,7 @@ fn content(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
     whole.then_some(content).ok_or(CheckpointError::Damaged)
 }
 
-/// What of one kind was and is otherwise, by name.
+/// The differences of one kind, by name.
 fn changes(kind: &str, were: &[(String, String)], are: &[(String, String)]) -> Vec<String> {
     let value = |of: &[(String, String)], name: &str| {
         let found = of.iter().find(|(other, _)| other == name);
@@ -205,9 +205,9 @@ fn changes(kind: &str, were: &[(String, String)], are: &[(String, String)]) -> V
 /// The checkpoint files that a run is to leave.
 #[derive(Clone, Debug, Default)]
 pub struct Saving {
-    /// Whose they are.
+    /// The identity of the run.
     pub identity: Identity,
-    /// After the row of which tick each is saved.
+    /// Each with the tick after whose row it is saved.
     pub files: Vec<(u64, PathBuf)>,
 }
 
@@ -217,10 +217,10 @@ impl Saving {
         self.files.iter().filter(move |(at, _)| *at == tick).map(|(_, file)| file.as_path())
     }
 
-    /// Writes one of the files; it has its name when it is whole.
+    /// Writes one of the files; it gets its final name when it is complete.
     ///
     /// # Errors
-    /// The system refuses.
+    /// The file cannot be written or renamed.
     pub fn write(&self, file: &Path, checkpoint: &[u8]) -> Result<(), TraceError> {
         let mut partial = file.as_os_str().to_owned();
         partial.push(PARTIAL);

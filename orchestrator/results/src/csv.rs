@@ -1,15 +1,15 @@
 //! `trace.csv`: rows of slots as text, fast enough to record everything.
 //!
-//! One buffer is filled and written in large pieces. Texts of numbers are remembered: what stands still costs a copy, and
-//! so does an input that shows what an output showed before. The file is whole after each piece: every piece ends with a
-//! row.
+//! One buffer is filled and written in large pieces. Texts of numbers are remembered: what stands still costs a copy,
+//! and so does an input that shows what an output showed before. The file is whole after each piece: every piece ends
+//! with a row.
 
 use super::TraceError;
 use super::signals::SlotType;
 use std::io::{self, Write};
 use unit::time::seconds;
 
-/// Room for the longest number.
+/// Bytes of the longest number.
 const LONGEST: usize = 24;
 /// The buffer is written when it holds this much.
 const PIECE: usize = 256 * 1024;
@@ -19,7 +19,7 @@ const PIECE: usize = 256 * 1024;
 pub struct CsvColumn {
     /// The name in the header.
     pub name: String,
-    /// How its slots are read.
+    /// The type of its slots.
     pub slot_type: SlotType,
 }
 
@@ -55,7 +55,7 @@ impl<W: Write> CsvWriter<W> {
     /// Adds the row of a tick: one slot for each column, the bits of a Real, else the number widened.
     ///
     /// # Errors
-    /// What the writer says.
+    /// The error of the writer.
     pub fn row(&mut self, tick: u64, slots: &[u64]) -> io::Result<()> {
         assert_eq!(slots.len(), self.types.len(), "a row has one slot for each column");
         let Self { texts, buffer, filled, .. } = self;
@@ -70,20 +70,20 @@ impl<W: Write> CsvWriter<W> {
         if self.filled >= PIECE { self.flush() } else { Ok(()) }
     }
 
-    /// Writes what is there; the file then ends with a whole row.
+    /// Writes all buffered rows; the file then ends with a complete row.
     ///
     /// # Errors
-    /// What the writer says.
+    /// The error of the writer.
     pub fn flush(&mut self) -> io::Result<()> {
         let written = self.out.write_all(&self.buffer[..self.filled]);
         self.filled = 0;
         written
     }
 
-    /// Writes what is there and returns the writer.
+    /// Writes all buffered rows and returns the writer.
     ///
     /// # Errors
-    /// What the writer says.
+    /// The error of the writer.
     pub fn into_inner(mut self) -> Result<W, io::Error> {
         self.flush()?;
         Ok(self.out)
@@ -117,14 +117,14 @@ impl Place<'_> {
     }
 }
 
-/// Texts of the numbers that came last, each at the one place that its bits lead to.
+/// A cache of texts of recent numbers, each in the entry that a hash of its bits selects.
 #[derive(Debug)]
 struct Texts {
     known: Vec<Known>,
     shift: u32,
 }
 
-/// A number and its text, at first zero.
+/// A number and its text; initially zero.
 #[derive(Clone, Debug)]
 struct Known {
     bits: u64,
@@ -133,7 +133,7 @@ struct Known {
 }
 
 impl Texts {
-    /// Room for at least so many.
+    /// A cache of at least `count` entries.
     fn new(count: usize) -> Self {
         let count = count.next_power_of_two().max(2);
         let zero = Known { bits: 0, text: [b'0'; LONGEST], length: 1 };
@@ -178,7 +178,7 @@ impl TraceFile {
     /// Begins with the header line; see [`CsvWriter::new`].
     ///
     /// # Errors
-    /// If the system refuses to write; the error names the file.
+    /// The file cannot be written; the error names it.
     pub fn begin(
         file: super::run_folder::PartialFile,
         step_ns: u64,
@@ -192,7 +192,7 @@ impl TraceFile {
     /// Ends the file and gives it its final name.
     ///
     /// # Errors
-    /// If the system refuses to write or to rename.
+    /// The file cannot be written or renamed; the error names it.
     pub fn finish(mut self) -> Result<(), TraceError> {
         let flushed = self.flush();
         self.out.named(flushed)?;
@@ -202,16 +202,16 @@ impl TraceFile {
     /// Adds a row; see [`CsvWriter::row`].
     ///
     /// # Errors
-    /// If the system refuses to write; the error names the file.
+    /// The file cannot be written; the error names it.
     pub fn record(&mut self, tick: u64, slots: &[u64]) -> Result<(), TraceError> {
         let written = self.row(tick, slots);
         self.out.named(written)
     }
 
-    /// Writes what is there; see [`CsvWriter::flush`].
+    /// Writes all buffered rows; see [`CsvWriter::flush`].
     ///
     /// # Errors
-    /// If the system refuses to write; the error names the file.
+    /// The file cannot be written; the error names it.
     pub fn save(&mut self) -> Result<(), TraceError> {
         let written = self.flush();
         self.out.named(written)

@@ -3,7 +3,7 @@
 use crate::table::Table;
 use std::fmt::Write;
 
-/// What two traces differ in.
+/// The differences of two traces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Difference {
     /// Columns of the first that the second lacks.
@@ -18,7 +18,7 @@ pub struct Difference {
     pub columns: Vec<ColumnDifference>,
 }
 
-/// Two values that should be one.
+/// Two values that should be equal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
     /// The row, from 0, which is the tick if every tick was recorded.
@@ -31,7 +31,7 @@ pub struct Cell {
     pub values: (String, String),
 }
 
-/// How far a column differs.
+/// How much a column differs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnDifference {
     /// The column.
@@ -75,14 +75,14 @@ impl Difference {
         self.columns.push(ColumnDifference { name, rows: different.len(), largest });
     }
 
-    /// Whether there is none.
+    /// Whether the traces are equal.
     #[must_use]
     pub fn is_none(&self) -> bool {
         let columns = self.only_in_first.is_empty() && self.only_in_second.is_empty();
         columns && self.rows.0 == self.rows.1 && self.first.is_none()
     }
 
-    /// Tells it to people; `names` are what the two traces are called.
+    /// The report as text; `names` are the names of the two traces.
     #[must_use]
     pub fn report(&self, names: (&str, &str)) -> String {
         if self.is_none() {
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn missing_columns_and_rows_are_told() {
+    fn missing_columns_and_rows_are_reported() {
         let a = table("time,q.x", &["0,1", "0.1,2"]);
         let b = table("time,q.y", &["0,1"]);
         let report = Difference::between(&a, &b).report(("a", "b"));

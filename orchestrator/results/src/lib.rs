@@ -1,9 +1,9 @@
-//! What a run leaves behind and shows: its folder, files and formats, reports, plots and comparisons.
+//! The results of a run: its folder, files and formats, reports, plots and comparisons.
 //!
-//! The parent of a run writes all of it; the step loop only hands over rows. Nothing here calls a unit or steps a run, and
-//! the types that are written are plain data of this crate. `trace.csv`, `trace.parquet`, `signals.json` and
-//! `verdict.json` have the same bytes wherever and whenever the run is repeated; what differs between hosts stands in
-//! `run.json` alone.
+//! The parent process of a run writes all files; the step loop only passes rows to it. Nothing here calls a unit or
+//! steps a run, and the types that are written are plain data of this crate. `trace.csv`, `trace.parquet`,
+//! `signals.json` and `verdict.json` have the same bytes wherever and whenever the run is repeated; only `run.json`
+//! contains what differs between hosts.
 
 #![forbid(unsafe_code)]
 
@@ -29,28 +29,28 @@ use std::path::{Path, PathBuf};
 /// Why a run's folder could not be used or written.
 #[derive(Debug)]
 pub enum TraceError {
-    /// Another run writes into the folder now.
+    /// Another run is writing into the folder.
     Locked(PathBuf),
-    /// The folder holds something that is not a run's.
+    /// The folder contains files that are not those of a run.
     Foreign(PathBuf),
-    /// The system refused.
+    /// The operating system returned an error.
     Io {
         /// What was being done: `create`, `write`.
         doing: &'static str,
         /// To which file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         error: io::Error,
     },
 }
 
 impl TraceError {
-    /// The system refused to do this to a file or folder.
+    /// Adds to a system error what was being done, and to which file or folder.
     pub fn io(doing: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
         move |error| Self::Io { doing, path: path.to_owned(), error }
     }
 
-    /// What the user can do about it, where there is something.
+    /// What the user can do about it, if anything.
     #[must_use]
     pub fn help(&self) -> Option<&'static str> {
         match self {
@@ -74,7 +74,7 @@ impl fmt::Display for TraceError {
 
 impl std::error::Error for TraceError {}
 
-/// The decimal that people and programs read back to the same number: shortest, without `.0`.
+/// The shortest decimal that reads back to the same number, without `.0`.
 #[must_use]
 pub fn shortest_decimal(value: f64) -> String {
     let mut buffer = zmij::Buffer::new();
@@ -82,7 +82,7 @@ pub fn shortest_decimal(value: f64) -> String {
     text.strip_suffix(".0").unwrap_or(text).to_owned()
 }
 
-/// A value as the JSON files of a run have it: indented, with a line break at the end.
+/// A value as the JSON text of a run's file: indented, with a line break at the end.
 #[must_use]
 pub fn json_text(value: &impl serde::Serialize) -> String {
     match serde_json::to_string_pretty(value) {

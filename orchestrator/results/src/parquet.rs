@@ -1,9 +1,9 @@
-//! `trace.parquet`: the rows of a run by columns, for pandas, Polars, DuckDB and whatever else reads Parquet.
+//! `trace.parquet`: the rows of a run by columns, for pandas, Polars, DuckDB and other readers of Parquet.
 //!
-//! A thread of its own turns groups of rows into columns and writes them; recording waits for it only where the disk is
-//! the slower one. The bytes depend on the rows alone: a group ends after so many rows, however long they took. The file
-//! can be read once it is whole. What `signals.json` says of a column is the metadata of its field:
-//! `pyarrow.parquet.read_schema(file).field("quad.height").metadata[b"unit"]`.
+//! A separate thread converts groups of rows to columns and writes them; recording waits for it only if the disk is
+//! slower than the run. The bytes depend on the rows alone: a group ends after a fixed number of rows, not after a
+//! time. The file can be read only when it is complete. The metadata of a field is what `signals.json` contains about
+//! the column: `pyarrow.parquet.read_schema(file).field("quad.height").metadata[b"unit"]`.
 
 use super::run_folder::PartialFile;
 use super::signals::{Signal, SlotType};
@@ -22,16 +22,16 @@ use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread;
 use unit::time::seconds;
 
-/// Rows go to the thread in blocks of about this much memory, which a processor's own cache holds.
+/// Rows are sent to the thread in blocks of about this size, which fits into the cache of one processor core.
 const BLOCK_BYTES: usize = 256 << 10;
-/// So many blocks are written as one group of rows; as many may wait meanwhile.
+/// The number of blocks that are written as one row group, and of blocks that may wait in the channel meanwhile.
 const GROUP_BLOCKS: usize = 32;
 
-/// The file of a run's folder, and the thread that writes it.
+/// The file in a run's folder, and the thread that writes it.
 #[derive(Debug)]
 pub struct ParquetFile {
     path: PathBuf,
-    /// The block that is being filled: of each row the tick, then its slots.
+    /// The block that is being filled: for each row the tick, then its slots.
     block: Vec<u64>,
     block_words: usize,
     blocks: SyncSender<Vec<u64>>,
@@ -41,16 +41,16 @@ pub struct ParquetFile {
 type Ended = Receiver<Written<SerializedFileWriter<PartialFile>>>;
 
 impl ParquetFile {
-    /// Begins the file for these signals, the time first.
+    /// Begins the file for these signals, of which the time is the first.
     ///
     /// # Errors
-    /// If the system refuses to write or to start a thread; the error names the file.
+    /// The file cannot be written or the thread cannot be started; the error names the file.
     pub fn begin(file: PartialFile, step_ns: u64, signals: &[Signal<'_>]) -> Result<Self, TraceError> {
         let path = file.path().to_owned();
-        let columns = Columns::begin(file, step_ns, signals).map_err(|error| refused(&path, error))?;
+        let columns = Columns::begin(file, step_ns, signals).map_err(|error| write_error(&path, error))?;
         let (blocks, filled) = sync_channel(GROUP_BLOCKS);
         let (end, ended) = channel();
-        // Nobody hears it where another file of the run could not be written.
+        // The send fails if the `ParquetFile` was dropped because another file of the run could not be written.
         let write = move || end.send(columns.write(filled)).unwrap_or_default();
         let started = thread::Builder::new().name("parquet".to_owned()).spawn(write);
         started.map_err(TraceError::io("start a thread to write", &path))?;
@@ -61,7 +61,7 @@ impl ParquetFile {
     /// Adds the row of a tick; see [`Recorder::record`](super::recorder::Recorder::record).
     ///
     /// # Errors
-    /// If the system refused to write an earlier row; the error names the file, which takes no more.
+    /// An earlier row could not be written; the error names the file. No rows can be added after it.
     pub fn record(&mut self, tick: u64, slots: &[u64]) -> Result<(), TraceError> {
         self.block.push(tick);
         self.block.extend_from_slice(slots);
@@ -75,45 +75,45 @@ impl ParquetFile {
     /// Ends the file and gives it its final name.
     ///
     /// # Errors
-    /// If the system refuses to write or to rename; the error names the file.
+    /// The file cannot be written or renamed; the error names it.
     pub fn finish(self) -> Result<(), TraceError> {
         let Self { path, block, blocks, ended, .. } = self;
-        // A thread that takes no more says below why.
+        // If the thread has ended because of an error, the send fails, and `outcome` returns that error.
         blocks.send(block).ok();
         drop(blocks);
         outcome(&ended, &path)?.inner().finish()
     }
 }
 
-/// What came of the thread's writing.
+/// The result of the thread: the finished writer, or the first error.
 fn outcome(ended: &Ended, path: &Path) -> Result<SerializedFileWriter<PartialFile>, TraceError> {
     let written = ended.recv().unwrap_or_else(|_| unreachable!("the thread that writes a file says how it ended"));
-    written.map_err(|error| refused(path, error))
+    written.map_err(|error| write_error(path, error))
 }
 
-fn refused(path: &Path, error: ParquetError) -> TraceError {
+fn write_error(path: &Path, error: ParquetError) -> TraceError {
     TraceError::io("write", path)(match error {
-        // The system's own words, if it was the system.
+        // If it is an error of the system, that error itself: its message is the one that users know.
         ParquetError::External(error) => error.downcast().map_or_else(io::Error::other, |error| *error),
         error => io::Error::other(error),
     })
 }
 
-/// What a block holds when it is full: whole rows.
+/// The number of words in a full block: whole rows, at least one.
 fn block_words(columns: usize) -> usize {
     (BLOCK_BYTES / 8 / columns).max(1) * columns
 }
 
-/// Rows on their way into columns.
+/// Converts rows to columns and writes them.
 struct Columns<W: Write> {
     writer: SerializedFileWriter<W>,
     step_ns: u64,
     times: Vec<f64>,
-    /// For each slot of a row.
+    /// One for each slot of a row.
     columns: Vec<Column>,
 }
 
-/// Values of a group that is not yet written.
+/// The values of one column of a row group that is not yet written.
 enum Column {
     Reals(Vec<f64>),
     Integers(Vec<i32>),
@@ -132,7 +132,7 @@ impl<W: Write + Send> Columns<W> {
         Ok(Self { writer, step_ns, times: Vec::new(), columns })
     }
 
-    /// Writes what comes until no more can come, then what closes the file.
+    /// Writes blocks until the channel is closed, then the end of the file.
     fn write(mut self, blocks: Receiver<Vec<u64>>) -> Written<SerializedFileWriter<W>> {
         for (count, block) in (1_usize..).zip(blocks) {
             self.add(&block);
@@ -159,7 +159,7 @@ impl<W: Write + Send> Columns<W> {
         }
     }
 
-    /// Writes the rows that are there, if there are any.
+    /// Writes the rows added since the last group, if there are any.
     fn write_group(&mut self) -> Written<()> {
         if self.times.is_empty() {
             return Ok(());
@@ -206,9 +206,9 @@ fn physical_type(slot_type: SlotType) -> PhysicalType {
     }
 }
 
-/// How the columns are written. Reals are split into their bytes, those of equal weight side by side, then compressed fast:
-/// smooth signals come to a fifth of what they take unsplit. A dictionary costs four times as much and pays only for values
-/// that repeat exactly.
+/// The encoding of the columns. Reals use BYTE_STREAM_SPLIT, which stores bytes of the same significance side by side,
+/// then a fast compression: smooth signals then take a fifth of the space. A dictionary would take four times as long,
+/// and save space only where values repeat exactly.
 fn properties(signals: &[Signal<'_>]) -> WriterProperties {
     let properties = WriterProperties::builder()
         .set_created_by("lockstep".to_owned())
@@ -255,7 +255,7 @@ mod tests {
         SerializedFileReader::new(File::open(home.path().join(TRACE_PARQUET)).unwrap()).unwrap()
     }
 
-    /// The rows as they were recorded, with the bits of the time in the tick's place.
+    /// The rows as they were recorded, with the bits of the time instead of the tick.
     fn slots(file: &SerializedFileReader<File>) -> Vec<Vec<u64>> {
         let slot = |(_, field): (&String, &Field)| match field {
             Field::Double(value) => value.to_bits(),
@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_is_written_in_groups_and_the_file_gets_its_name_when_it_is_whole() {
+    fn a_run_is_written_in_row_groups_and_the_file_gets_its_name_when_it_is_complete() {
         let home = tempfile::tempdir().unwrap();
         let group = (GROUP_BLOCKS * block_words(signals().len()) / signals().len()) as u64;
         let rows = 2 * group + 5;
@@ -319,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn a_full_disk_is_told_with_the_name_of_the_file() {
+    fn a_full_disk_is_an_error_that_names_the_file() {
         let home = tempfile::tempdir().unwrap();
         let folder = RunFolder::claim(home.path(), &record()).unwrap();
         let path = folder.path().join("trace.parquet.partial");
@@ -328,7 +328,7 @@ mod tests {
         let expected = format!("cannot write {}: No space left on device (os error 28)", path.display());
         assert_eq!(begin().finish().unwrap_err().to_string(), expected);
         let mut file = begin();
-        let refused = (0..).find_map(|tick| file.record(tick, &[0, 0, 0]).err());
-        assert_eq!(refused.map(|error| error.to_string()), Some(expected));
+        let error = (0..).find_map(|tick| file.record(tick, &[0, 0, 0]).err());
+        assert_eq!(error.map(|error| error.to_string()), Some(expected));
     }
 }

@@ -1,4 +1,4 @@
-//! The files that grow while a run goes on: rows as text and as columns, and calls of instances that are to be logged.
+//! The files that grow during a run: rows as text and as columns, and logs of instances' calls.
 
 use super::TraceError;
 use super::call_log::CallLog;
@@ -7,11 +7,11 @@ use super::parquet::ParquetFile;
 use super::run_folder::{RunFolder, SIGNALS_JSON, TRACE_CSV, TRACE_PARQUET};
 use super::signals::{self, Signal};
 
-/// Takes what a run tells; at first it wants nothing.
+/// Writes rows and calls to the files that were begun; without any it ignores them.
 #[derive(Debug, Default)]
 pub struct Recorder {
     rows: Option<Rows>,
-    /// With the index of the instance.
+    /// Each with the index of its instance.
     calls: Vec<(usize, CallLog)>,
 }
 
@@ -22,10 +22,10 @@ struct Rows {
 }
 
 impl Recorder {
-    /// Begins the files of rows, and says in `signals.json` what their columns are: the time first.
+    /// Begins the files of rows, and writes `signals.json` about their columns, of which the time is the first.
     ///
     /// # Errors
-    /// If the system refuses to write; the error names the file.
+    /// A file cannot be written; the error names it.
     pub fn begin_rows(&mut self, folder: &RunFolder, step_ns: u64, signals: &[Signal<'_>]) -> Result<(), TraceError> {
         folder.write(SIGNALS_JSON, &signals::json(signals))?;
         let csv = TraceFile::begin(folder.begin(TRACE_CSV)?, step_ns, &signals::csv_columns(signals))?;
@@ -37,7 +37,7 @@ impl Recorder {
     /// Begins the log of an instance's calls.
     ///
     /// # Errors
-    /// If the system refuses to create the file; the error names it.
+    /// The file cannot be created; the error names it.
     pub fn begin_calls(&mut self, folder: &RunFolder, instance: usize, name: &str) -> Result<(), TraceError> {
         self.calls.push((instance, CallLog::begin(folder, name)?));
         Ok(())
@@ -46,12 +46,12 @@ impl Recorder {
     /// Adds the row of a tick: one slot for each signal but the time, the bits of a Real, else the number widened.
     ///
     /// # Errors
-    /// If the system refuses to write; the error names the file.
+    /// A file cannot be written; the error names it.
     pub fn record(&mut self, tick: u64, slots: &[u64]) -> Result<(), TraceError> {
         let Some(Rows { csv, parquet }) = &mut self.rows else { return Ok(()) };
         csv.record(tick, slots)?;
         parquet.record(tick, slots).inspect_err(|_| {
-            // The run ends by this error; the rows so far stay readable, if that can be.
+            // The run ends with this error. The rows so far are written as text, if possible, so that they can be read.
             csv.save().ok();
         })
     }
@@ -59,16 +59,16 @@ impl Recorder {
     /// Adds a piece to the log of an instance's calls.
     ///
     /// # Errors
-    /// If the system refuses to write; the error names the file.
+    /// A file cannot be written; the error names it.
     pub fn add_call(&mut self, instance: usize, piece: &[u8]) -> Result<(), TraceError> {
         let mut logs = self.calls.iter_mut().filter(|(of, _)| *of == instance);
         logs.try_for_each(|(_, log)| log.add(piece))
     }
 
-    /// Writes what is there to the files that survive a crash of this process: all but `trace.parquet`.
+    /// Writes all buffered data to the files that stay readable after a crash of this process: all but `trace.parquet`.
     ///
     /// # Errors
-    /// If the system refuses to write; the error names the file.
+    /// A file cannot be written; the error names it.
     pub fn save(&mut self) -> Result<(), TraceError> {
         let rows = self.rows.as_mut().map_or(Ok(()), |rows| rows.csv.save());
         self.calls.iter_mut().map(|(_, log)| log.save()).fold(rows, Result::and)
@@ -77,7 +77,7 @@ impl Recorder {
     /// Ends the files and gives them their final names.
     ///
     /// # Errors
-    /// If the system refuses to write or to rename; the error names the file.
+    /// A file cannot be written or renamed; the error names it.
     pub fn finish(self) -> Result<(), TraceError> {
         let rows = self.rows.map_or(Ok(()), |Rows { csv, parquet }| csv.finish().and(parquet.finish()));
         self.calls.into_iter().map(|(_, log)| log.finish()).fold(rows, Result::and)

@@ -1,6 +1,7 @@
-//! The folder of a run: whose it is, its lock, and files that get their names when they are whole.
+//! The folder of a run: its owner, its lock, and its files, which get their final names when they are complete.
 //!
-//! `run.json` is there first and holds the lock as long as the run lives; it is the one file that is written in place.
+//! `run.json` is created first, and the run keeps a lock on it until it ends; it is the only file that is rewritten in
+//! place, because a file that replaced it would not be locked.
 
 use super::TraceError;
 use super::run_record::RunRecord;
@@ -12,22 +13,22 @@ use std::path::{Path, PathBuf};
 pub const RUN_JSON: &str = "run.json";
 /// The recorded rows.
 pub const TRACE_CSV: &str = "trace.csv";
-/// The same numbers by columns.
+/// The recorded rows by columns.
 pub const TRACE_PARQUET: &str = "trace.parquet";
-/// What each column of the trace is.
+/// The description of each column of the trace.
 pub const SIGNALS_JSON: &str = "signals.json";
-/// The claims and how they came out.
+/// The verdicts on the claims.
 pub const VERDICT_JSON: &str = "verdict.json";
-/// What a file is called until it is whole.
+/// The suffix of a file's name until the file is complete.
 pub const PARTIAL: &str = ".partial";
 
-/// The picture that `lockstep plot` draws of a run.
+/// The plot that `lockstep plot` draws of a run.
 pub const PLOT_SVG: &str = "plot.svg";
 
-/// What stands in the folder besides the record; an earlier run's are removed before a new one begins.
+/// The files of a run besides its record; those of an earlier run are removed before a new one begins.
 const RESULTS: [&str; 5] = [TRACE_CSV, TRACE_PARQUET, SIGNALS_JSON, VERDICT_JSON, PLOT_SVG];
 
-/// A folder that this run owns until it is dropped.
+/// A folder that this run has locked until the value is dropped.
 #[derive(Debug)]
 pub struct RunFolder {
     path: PathBuf,
@@ -35,11 +36,11 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
-    /// Makes the folder, or takes over that of an earlier run, whose results go; other files in it stay.
+    /// Creates the folder, or reuses that of an earlier run, whose results are removed; other files in it stay.
     ///
     /// # Errors
-    /// [`TraceError::Locked`] if another run writes there, [`TraceError::Foreign`] if it holds files but no `run.json`
-    /// of ours, else what the system refused.
+    /// [`TraceError::Locked`] if another run is writing there, [`TraceError::Foreign`] if it contains files but no
+    /// `run.json` of Lockstep, else [`TraceError::Io`].
     pub fn claim(path: &Path, record: &RunRecord) -> Result<Self, TraceError> {
         fs::create_dir_all(path).map_err(TraceError::io("create", path))?;
         let file_path = path.join(RUN_JSON);
@@ -56,6 +57,7 @@ impl RunFolder {
             Err(TryLockError::WouldBlock) => return Err(TraceError::Locked(path.to_owned())),
             Err(TryLockError::Error(error)) => return Err(TraceError::io("lock", &file_path)(error)),
         }
+        // A `run.json` without content is accepted: it is left by a run that ended between creating and writing it.
         let mut earlier = Vec::new();
         file.read_to_end(&mut earlier).map_err(TraceError::io("read", &file_path))?;
         if occupied && !earlier.is_empty() && !RunRecord::is_one(&earlier) {
@@ -67,16 +69,16 @@ impl RunFolder {
         Ok(folder)
     }
 
-    /// Where it is.
+    /// The path of the folder.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Replaces what `run.json` says.
+    /// Replaces the content of `run.json`.
     ///
     /// # Errors
-    /// If the system refuses to write.
+    /// The file cannot be written; the error names it.
     pub fn note(&mut self, record: &RunRecord) -> Result<(), TraceError> {
         let text = record.json();
         let mut write = || {
@@ -90,17 +92,17 @@ impl RunFolder {
     /// Begins a file under its partial name.
     ///
     /// # Errors
-    /// If the system refuses to create it.
+    /// The file cannot be created; the error names it.
     pub fn begin(&self, name: &str) -> Result<PartialFile, TraceError> {
         let partial = self.path.join(format!("{name}{PARTIAL}"));
         let file = File::create(&partial).map_err(TraceError::io("create", &partial))?;
         Ok(PartialFile { file, partial, whole: self.path.join(name) })
     }
 
-    /// Writes a whole file at once.
+    /// Writes a complete file.
     ///
     /// # Errors
-    /// If the system refuses to write.
+    /// The file cannot be written; the error names it.
     pub fn write(&self, name: &str, text: &str) -> Result<(), TraceError> {
         let mut file = self.begin(name)?;
         let written = file.write_all(text.as_bytes());
@@ -121,15 +123,15 @@ impl RunFolder {
     }
 }
 
-/// What the log of an instance's calls is called. Other characters than letters, digits, `_` and `-` are told by their
-/// numbers, so that no two instances share a file.
+/// The file name of the log of an instance's calls. Characters other than letters, digits, `_` and `-` are replaced by
+/// their code points: the name stays in the folder, and no two instances share a file.
 #[must_use]
 pub fn call_log_name(instance: &str) -> String {
-    let harmless = |letter: char| match letter {
+    let escaped = |letter: char| match letter {
         letter if letter.is_alphanumeric() || "_-".contains(letter) => letter.to_string(),
         other => format!("%{:X}", u32::from(other)),
     };
-    format!("fmi-calls.{}.log", instance.chars().map(harmless).collect::<String>())
+    format!("fmi-calls.{}.log", instance.chars().map(escaped).collect::<String>())
 }
 
 fn is_call_log(name: &str) -> bool {
@@ -145,7 +147,7 @@ pub struct PartialFile {
 }
 
 impl PartialFile {
-    /// Its name until it is whole.
+    /// Its path until it is complete.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.partial
@@ -154,15 +156,15 @@ impl PartialFile {
     /// Gives the file its final name.
     ///
     /// # Errors
-    /// If the system refuses to rename it.
+    /// The file cannot be renamed; the error names it.
     pub fn finish(&self) -> Result<(), TraceError> {
         fs::rename(&self.partial, &self.whole).map_err(TraceError::io("rename", &self.partial))
     }
 
-    /// Adds the file's name to what writing said.
+    /// Adds the file's name to the error of a write.
     ///
     /// # Errors
-    /// If writing failed.
+    /// The write failed.
     pub fn named(&self, written: io::Result<()>) -> Result<(), TraceError> {
         written.map_err(TraceError::io("write", &self.partial))
     }
@@ -184,7 +186,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_fresh_folder_says_running_before_anything_else_is_written() {
+    fn a_new_folder_has_a_record_with_the_state_running_before_any_other_file() {
         let home = tempfile::tempdir().unwrap();
         let folder = RunFolder::claim(&home.path().join("runs/a"), &record()).unwrap();
         let text = fs::read_to_string(folder.path().join(RUN_JSON)).unwrap();
@@ -193,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_in_use_is_refused_and_free_again_when_its_run_is_over() {
+    fn a_folder_in_use_is_refused_until_its_run_ends() {
         let home = tempfile::tempdir().unwrap();
         let first = RunFolder::claim(home.path(), &record()).unwrap();
         let refused = RunFolder::claim(home.path(), &record()).unwrap_err();
@@ -204,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_with_somebody_elses_files_is_refused_and_left_alone() {
+    fn a_folder_with_other_files_is_refused_and_not_changed() {
         for (name, text) in [("thesis.tex", "words"), (RUN_JSON, "{\"of\": \"another tool\"}")] {
             let home = tempfile::tempdir().unwrap();
             fs::write(home.path().join(name), text).unwrap();
@@ -216,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn an_earlier_runs_results_go_and_what_was_added_by_hand_stays() {
+    fn results_of_an_earlier_run_are_removed_and_files_added_by_the_user_stay() {
         let home = tempfile::tempdir().unwrap();
         drop(RunFolder::claim(home.path(), &record()).unwrap());
         for name in ["trace.csv", "trace.parquet", "fmi-calls.quad.log.partial", "trace.csv.partial", "notes.txt"] {
@@ -229,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn the_log_of_an_instance_stays_in_the_folder_and_is_no_other_instances() {
+    fn the_call_log_of_an_instance_stays_in_the_folder_and_has_a_unique_name() {
         let names = ["quad", "edge[1]", "../a", "é %2E"].map(call_log_name);
         let expected = ["quad", "edge%5B1%5D", "%2E%2E%2Fa", "é%20%252E"].map(|name| format!("fmi-calls.{name}.log"));
         assert_eq!(names, expected);
@@ -237,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_gets_its_name_when_it_is_whole() {
+    fn a_file_gets_its_final_name_when_it_is_complete() {
         let home = tempfile::tempdir().unwrap();
         let folder = RunFolder::claim(home.path(), &record()).unwrap();
         let mut file = folder.begin(TRACE_CSV).unwrap();

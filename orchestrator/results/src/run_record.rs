@@ -8,31 +8,31 @@ use unit::failure::Failure;
 /// The content of `run.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunRecord {
-    /// The version of Lockstep that ran; that this key is there makes the file ours.
+    /// The version of Lockstep that ran. A `run.json` is recognised by this key.
     pub lockstep: &'static str,
-    /// Where the run stands.
+    /// The state of the run.
     pub state: RunState,
-    /// The words of the `scenario` line.
+    /// The title in the `scenario` line.
     pub scenario: String,
     /// The script.
     pub script: HashedFile,
-    /// The units, each once, in order of first use.
+    /// The units in order of first use, each once.
     pub units: Vec<HashedFile>,
-    /// What `file("…")` named, in order.
+    /// The files named by `file("…")`, in order.
     pub files: Vec<HashedFile>,
-    /// The checkpoint that it continued from, unless it ran from the start.
+    /// The checkpoint that the run continued from; `None` if it ran from the start.
     pub from: Option<Continued>,
     /// The parameters of the script with their values.
     pub parameters: Vec<Parameter>,
-    /// The machine.
+    /// The computer.
     pub host: Host,
-    /// When it began, UTC.
+    /// The time at which it began, UTC.
     pub started: String,
-    /// How long it took so far.
+    /// The wall time so far.
     pub wall_s: f64,
     /// Simulated seconds reached; `None` while it runs.
     pub simulated_s: Option<f64>,
-    /// Why it broke, if it did.
+    /// Why it broke; `None` if it did not.
     pub broken: Option<Broken>,
 }
 
@@ -41,21 +41,21 @@ pub struct RunRecord {
 pub struct Parameter {
     /// The name.
     pub name: String,
-    /// The value as it can be typed after `--set name = `.
+    /// The value as it can be written after `--set name = `.
     pub value: String,
     /// Whether the command line set it.
     pub set: bool,
 }
 
-/// Where a run stands.
+/// The state of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RunState {
-    /// It goes on, or its machine went down: a run that lives holds the lock.
+    /// It is running, or its computer stopped meanwhile: the lock on `run.json` is held only in the first case.
     Running,
-    /// It ended by itself.
+    /// It reached its end.
     Finished,
-    /// A unit, the machine or a full disk ended it.
+    /// A failure of a unit or of the system ended it.
     Broken,
     /// The user ended it.
     Interrupted,
@@ -79,32 +79,32 @@ pub struct Continued {
     pub time_s: f64,
 }
 
-/// The machine that a run happened on.
+/// The computer that a run was executed on.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Host {
-    /// Its name in the network; empty if it has none.
+    /// Its host name; empty if it has none.
     pub name: String,
-    /// Its system.
+    /// Its operating system.
     pub system: &'static str,
-    /// Its kind of processor.
+    /// Its processor architecture.
     pub processor: &'static str,
 }
 
 /// Why a run broke.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Broken {
-    /// The instance, if one was concerned.
+    /// The instance; `None` if the failure is not about one instance.
     pub instance: Option<String>,
-    /// The call, if it happened in one.
+    /// The call; `None` if it happened between calls.
     pub call: Option<String>,
     /// Simulated time.
     pub time_s: Option<f64>,
-    /// The whole sentence.
+    /// The whole message.
     pub message: String,
 }
 
 impl RunRecord {
-    /// Whether the bytes are a `run.json` that some version of Lockstep wrote.
+    /// Whether the bytes are a `run.json` that a version of Lockstep wrote.
     #[must_use]
     pub fn is_one(bytes: &[u8]) -> bool {
         serde_json::from_slice::<serde_json::Value>(bytes).is_ok_and(|value| value.get("lockstep").is_some())
@@ -116,7 +116,7 @@ impl RunRecord {
         super::json_text(self)
     }
 
-    /// Ends the record.
+    /// Completes the record at the end of the run.
     pub fn end(&mut self, state: RunState, simulated_s: f64, wall: Duration) {
         self.state = state;
         self.simulated_s = Some(simulated_s);
@@ -125,7 +125,7 @@ impl RunRecord {
 }
 
 impl Broken {
-    /// Something broke that has to do with no unit.
+    /// A failure that is not about a unit.
     #[must_use]
     pub fn outside_of_calls(message: &impl std::fmt::Display) -> Self {
         Self { instance: None, call: None, time_s: None, message: message.to_string() }
@@ -141,7 +141,7 @@ impl From<&Failure> for Broken {
 }
 
 impl Host {
-    /// The machine this runs on.
+    /// The computer that this process runs on.
     #[must_use]
     pub fn this() -> Self {
         let name = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
@@ -149,7 +149,7 @@ impl Host {
     }
 }
 
-/// Now, as `run.json` writes it.
+/// The present time, as `run.json` contains it.
 #[must_use]
 pub fn now() -> String {
     humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
@@ -201,7 +201,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn only_a_record_of_ours_is_taken_for_one() {
+    fn only_a_record_of_lockstep_is_recognised() {
         assert!(RunRecord::is_one(record().json().as_bytes()));
         assert!(!RunRecord::is_one(b"{\"state\": \"running\"}"));
         assert!(!RunRecord::is_one(b"[1, 2]") && !RunRecord::is_one(b"not json"));

@@ -1,15 +1,15 @@
-//! `signals.json`: what each column of the trace is, so that a reader needs no unit and no script.
+//! `signals.json`: the description of each column of the trace, so that a reader needs neither unit nor script.
 
 use super::csv::CsvColumn;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// How a slot of a row is read: the bits of a Real, or a number widened to 64 bits.
+/// The type of a slot of a row: the bits of a Real, or a number widened to 64 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlotType {
-    /// A number with binary fraction.
+    /// A floating-point number.
     Real,
-    /// A whole number, also that of an enumeration's item.
+    /// An integer, also the value of an enumeration.
     Integer,
     /// 0 or 1.
     Boolean,
@@ -31,18 +31,18 @@ pub struct Signal<'a> {
     pub kind: &'static str,
     /// `output`, `input`, …
     pub causality: &'static str,
-    /// The FMU's words.
+    /// The description in its FMU.
     pub description: Option<&'a str>,
-    /// The names of an enumeration's numbers.
+    /// The names of an enumeration's values.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub items: BTreeMap<i32, &'a str>,
-    /// How its slots are read.
+    /// The type of its slots.
     #[serde(skip)]
     pub slot_type: SlotType,
 }
 
 impl Signal<'_> {
-    /// What there is to say besides the name, as keys and texts.
+    /// All properties but the name, as keys and texts; those without a value are left out.
     #[must_use]
     pub fn facts(&self) -> Vec<(&'static str, String)> {
         let items = (!self.items.is_empty()).then(|| serde_json::json!(self.items).to_string());
@@ -81,7 +81,7 @@ pub fn json(signals: &[Signal<'_>]) -> String {
     super::json_text(&signals)
 }
 
-/// The columns as `trace.csv` needs them: it has the time anyway.
+/// The columns as the writer of `trace.csv` needs them: without the time, which it always writes.
 #[must_use]
 pub fn csv_columns(signals: &[Signal<'_>]) -> Vec<CsvColumn> {
     let column = |signal: &Signal<'_>| CsvColumn { name: signal.name.to_owned(), slot_type: signal.slot_type };
@@ -92,7 +92,7 @@ pub fn csv_columns(signals: &[Signal<'_>]) -> Vec<CsvColumn> {
 pub(crate) mod tests {
     use super::*;
 
-    /// A column that says no more than it must.
+    /// A column with the required properties only.
     pub(crate) fn signal(name: &str, slot_type: SlotType) -> Signal<'_> {
         Signal { name, unit: None, instance: None, causality: "output", description: None, slot_type, ..time() }
     }

@@ -1,4 +1,4 @@
-//! A recorded trace, read back: what `plot` and `diff` look at.
+//! A recorded trace, read back for `plot` and `diff`.
 
 use serde::Deserialize;
 use std::fmt;
@@ -32,7 +32,7 @@ pub struct ColumnNote {
 pub enum TableError {
     /// Neither a run's folder nor a trace.
     NoTrace(PathBuf),
-    /// The system refused.
+    /// The operating system returned an error.
     Io(PathBuf, std::io::Error),
     /// A line does not fit the header.
     Ragged {
@@ -52,7 +52,7 @@ pub enum TableError {
         /// The cell.
         cell: String,
     },
-    /// A time is none, or comes before that of the row above.
+    /// A time is not a finite number, or is before that of the row above.
     NoTime {
         /// The file.
         path: PathBuf,
@@ -80,7 +80,7 @@ impl fmt::Display for TableError {
 
 impl std::error::Error for TableError {}
 
-/// The trace of a run's folder, or the file itself; a `.partial` one stands in for a whole one.
+/// The trace of a run's folder, or the file itself; without a complete trace the `.partial` one is used.
 fn trace_file(run: &Path) -> Result<PathBuf, TableError> {
     let whole = run.join(super::run_folder::TRACE_CSV);
     let partial = run.join(format!("{}.partial", super::run_folder::TRACE_CSV));
@@ -94,8 +94,8 @@ impl Table {
     /// Reads the trace of a run's folder, or a trace file.
     ///
     /// # Errors
-    /// If there is none, it cannot be read, a row does not fit the header, a cell is no number, or time falls. A last
-    /// line without its line break, which a run that broke may leave, is dropped.
+    /// There is no trace, it cannot be read, a row does not fit the header, a cell is not a number, or time decreases.
+    /// A last line without a line break, which a run that broke may leave, is not an error: it is dropped.
     pub fn read(run: &Path) -> Result<Self, TableError> {
         let path = trace_file(run)?;
         let text = std::fs::read_to_string(&path).map_err(|error| TableError::Io(path.clone(), error))?;
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn a_partial_trace_stands_in_and_its_torn_last_line_is_dropped() {
+    fn a_partial_trace_is_used_and_its_incomplete_last_line_is_dropped() {
         let folder = folder_with("trace.csv.partial", "time,a\n0,1\n0.1");
         let table = Table::read(folder.path()).unwrap();
         assert_eq!((table.rows.len(), table.partial), (1, true));
@@ -197,7 +197,7 @@ mod tests {
 
     proptest::proptest! {
         #[test]
-        fn whatever_a_file_holds_is_a_table_or_an_error(text in "(time)?[,\"\r\n0-9.a-z \\PC]{0,80}\n?") {
+        fn any_text_is_read_as_a_table_or_an_error(text in "(time)?[,\"\r\n0-9.a-z \\PC]{0,80}\n?") {
             let folder = folder_with("trace.csv", &text);
             if let Ok(table) = Table::read(folder.path()) {
                 for column in 0..table.names.len() {
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_trace_is_named_by_its_line() {
+    fn a_file_that_is_not_a_trace_is_an_error_with_the_line() {
         for (text, words) in [
             ("", "trace.csv:1: the first column is not `time`"),
             ("a,time\n0,1\n", "trace.csv:1: the first column is not `time`"),
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_are_explained_by_the_file_beside_them() {
+    fn columns_are_described_by_the_signals_file_in_the_same_folder() {
         let folder =
             folder_with("signals.json", r#"[{"name": "a.b", "unit": "m", "type": "Real", "causality": "output"}]"#);
         let note = ColumnNote { name: "a.b".to_owned(), unit: Some("m".to_owned()), kind: "Real".to_owned() };

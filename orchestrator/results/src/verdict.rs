@@ -1,4 +1,4 @@
-//! `verdict.json`: the claims and how they came out, each with the margin by which it held or failed.
+//! `verdict.json`: the verdicts on the claims, each with the margin by which the claim held or failed.
 
 use crate::run_record::Parameter;
 use serde::Serialize;
@@ -23,7 +23,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// The verdict of a number, or `None` if no verdict has it.
+    /// The verdict with this number, or `None` if no verdict has it.
     #[must_use]
     pub fn from_number(number: u8) -> Option<Self> {
         [Self::Undecided, Self::Holds, Self::Fails, Self::Unjudged].into_iter().find(|&verdict| verdict as u8 == number)
@@ -41,7 +41,7 @@ impl Verdict {
 pub struct Standing {
     /// The verdict.
     pub verdict: Verdict,
-    /// The margin in SI units; infinite for conditions, not-a-number while no sample counted.
+    /// The margin in SI units; infinite for conditions, NaN as long as no sample counted.
     pub margin: f64,
     /// The tick of the sample that the margin comes from.
     pub worst_tick: u64,
@@ -59,7 +59,7 @@ impl PartialEq for Standing {
     }
 }
 
-/// What reports say of a claim besides how it stands.
+/// The properties of a claim that reports show besides its standing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClaimInfo {
     /// The name.
@@ -95,7 +95,7 @@ pub struct Limit {
 /// The content of `verdict.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct VerdictFile {
-    /// The words of the `scenario` line.
+    /// The title in the `scenario` line.
     pub scenario: String,
     /// The script's file name.
     pub script: String,
@@ -114,9 +114,9 @@ pub struct VerdictFile {
 pub struct JudgedClaim {
     /// The name.
     pub name: String,
-    /// How it came out.
+    /// The verdict on it.
     pub verdict: Verdict,
-    /// How far it was from failing, or below zero how far it failed, in `unit`; `None` where that is no number.
+    /// The distance from failing, negative if it failed, in `unit`; `None` where the margin is not finite.
     pub margin: Option<f64>,
     /// The unit of `margin`, `limit` and `seen`; `None` for plain numbers.
     pub unit: Option<String>,
@@ -132,14 +132,14 @@ pub struct JudgedClaim {
     pub seen: Option<f64>,
 }
 
-/// How many claims came out how.
+/// The number of claims with each verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Count {
-    /// Held.
+    /// Claims that hold.
     pub ok: usize,
-    /// Did not.
+    /// Claims that fail.
     pub failed: usize,
-    /// Could not be decided.
+    /// Claims that could not be decided.
     pub unjudged: usize,
 }
 
@@ -150,7 +150,7 @@ impl VerdictFile {
         super::json_text(self)
     }
 
-    /// How many claims came out how.
+    /// The number of claims with each verdict.
     #[must_use]
     pub fn count(&self) -> Count {
         let mut count = Count::default();
@@ -171,7 +171,7 @@ impl JudgedClaim {
     pub fn new(claim: &ClaimInfo, standing: &Standing, step_ns: u64) -> Self {
         let judged = standing.verdict.is_decided();
         let factor = claim.unit.as_ref().map_or(1.0, |unit| unit.factor);
-        // Adding zero takes the sign off a margin of zero; the verdict tells whether zero is enough.
+        // Adding zero removes the sign of a negative zero; the verdict shows whether zero is enough.
         let margin = (judged && standing.margin.is_finite()).then_some(standing.margin / factor + 0.0);
         let limit = claim.limit.map(|limit| limit.value);
         let seen = claim.limit.zip(margin).map(
@@ -218,7 +218,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_margin_is_told_in_the_claims_own_unit_with_what_was_seen() {
+    fn a_margin_is_given_in_the_claims_own_unit_with_the_value_seen() {
         let degree = std::f64::consts::PI / 180.0;
         let tilt = claim("tilt", "always quad.tilt < 35 deg", Some(("deg", degree)), Some((35.0, true)));
         let judged = JudgedClaim::new(&tilt, &standing(Verdict::Fails, -2.5 * degree, 3188), 10_000_000);
@@ -238,7 +238,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn the_file_tells_parameters_end_and_every_claim() {
+    fn the_file_has_parameters_end_and_every_claim() {
         let claims = [
             (
                 claim("clear", "always world.clearance > 0.5 m", Some(("m", 1.0)), Some((0.5, false))),

@@ -1,8 +1,8 @@
-//! A unit's archive: looked through entry by entry before anything is believed or written.
+//! A unit's archive: checked entry by entry before its contents are used or written.
 //!
-//! An archive may come from anywhere. It is refused if an entry would land outside of the unit's folder, collide with
-//! another one, be anything but a plain file or folder, or grow beyond all proportion; unpacking writes into a folder
-//! that did not exist before and that is gone again if anything fails.
+//! An archive may come from an untrusted source. It is refused if an entry would be written outside the unit's folder,
+//! has the same name as another, is anything but a regular file or folder, or expands to an implausible size. Unpacking
+//! writes into a new folder, which is removed if anything fails.
 
 mod layout;
 mod survey;
@@ -19,23 +19,23 @@ use std::path::{Path, PathBuf};
 use survey::{Entry, Survey};
 use zip::ZipArchive;
 
-/// The one file that every archive has.
+/// The one file that every archive must have.
 const DESCRIPTION: &str = "modelDescription.xml";
 
-/// A unit in a folder of its own.
+/// A unit, unpacked into a folder of its own.
 #[derive(Debug)]
 pub struct Unpacked {
     /// The folder.
     pub folder: PathBuf,
-    /// What its `modelDescription.xml` says.
+    /// The content of its `modelDescription.xml`.
     pub description: ModelDescription,
-    /// What is odd about the archive and the description.
+    /// Warnings about the archive and the description.
     pub findings: Vec<Finding>,
     /// SHA-256 of the archive, as 64 hexadecimal digits.
     pub sha256: String,
 }
 
-/// A problem of an archive that does not know the archive's name.
+/// A problem of an archive, without the archive's name, which the caller adds.
 #[derive(Debug, PartialEq, Eq)]
 struct Problem {
     entry: Option<String>,
@@ -56,10 +56,11 @@ impl Problem {
     }
 }
 
-/// Unpacks an archive into a folder that must not exist yet; only its owner may look into it.
+/// Unpacks an archive into a folder that must not exist yet; only its owner gets access to it.
 ///
 /// # Errors
-/// The archive is broken or unsafe, holds no readable description, or cannot be written. The folder is gone then.
+/// The archive is broken or unsafe, has no readable description, or its files cannot be written. No folder is left
+/// then.
 pub fn unpack(fmu: &Path, into: &Path) -> Result<Unpacked, UnitError> {
     let sha256 = hash(fmu).map_err(file_error("reading", fmu))?;
     let (mut archive, survey) = open(fmu)?;
@@ -68,7 +69,7 @@ pub fn unpack(fmu: &Path, into: &Path) -> Result<Unpacked, UnitError> {
     match extract(&mut archive, &survey, fmu, into) {
         Ok(()) => Ok(Unpacked { folder: into.to_path_buf(), description, findings, sha256 }),
         Err(error) => {
-            // The error that led here says more than one about cleaning up.
+            // An error of the removal is ignored: the first error is the one that the user can act on.
             fs::remove_dir_all(into).ok();
             Err(error)
         }
@@ -78,16 +79,16 @@ pub fn unpack(fmu: &Path, into: &Path) -> Result<Unpacked, UnitError> {
 /// Reads the description out of an archive, without unpacking anything.
 ///
 /// # Errors
-/// The archive is broken or unsafe, or holds no readable description.
+/// The archive is broken or unsafe, or has no readable description.
 pub fn read_description(fmu: &Path) -> Result<(ModelDescription, Vec<Finding>), UnitError> {
     let (mut archive, survey) = open(fmu)?;
     description(&mut archive, &survey, fmu)
 }
 
-/// Reads the description of a unit that lies unpacked in a folder.
+/// Reads the description of a unit that is unpacked in a folder.
 ///
 /// # Errors
-/// There is none, or it cannot be read.
+/// There is no description, or it cannot be read.
 pub fn read_unpacked(folder: &Path) -> Result<ModelDescription, UnitError> {
     let path = folder.join(DESCRIPTION);
     let bytes = fs::read(&path).map_err(file_error("reading", &path))?;
@@ -99,7 +100,7 @@ pub fn read_unpacked(folder: &Path) -> Result<ModelDescription, UnitError> {
 /// Reads the description of a unit that this platform can load, without unpacking anything.
 ///
 /// # Errors
-/// The archive is broken or unsafe, holds no readable description, or no library for co-simulation on this platform.
+/// The archive is broken or unsafe, has no readable description, or has no library for co-simulation on this platform.
 pub fn read_loadable(fmu: &Path) -> Result<(ModelDescription, Vec<Finding>), UnitError> {
     let (mut archive, survey) = open(fmu)?;
     let (description, findings) = description(&mut archive, &survey, fmu)?;
@@ -110,11 +111,11 @@ pub fn read_loadable(fmu: &Path) -> Result<(ModelDescription, Vec<Finding>), Uni
     Ok((description, findings))
 }
 
-/// Judges an archive by every rule of the standard: where its files belong, and what its description says. Findings come
-/// in the order of their places, those about the archive first. Nothing is unpacked.
+/// Checks an archive by every rule of the standard: the places of its files and the content of its description.
+/// Findings are sorted by position, those about the archive first. Nothing is unpacked.
 ///
 /// # Errors
-/// The archive is broken or unsafe, or holds no readable description.
+/// The archive is broken or unsafe, or has no readable description.
 pub fn examine(fmu: &Path) -> Result<(ModelDescription, Vec<Finding>), UnitError> {
     let (mut archive, survey) = open(fmu)?;
     let (description, mut findings) = description(&mut archive, &survey, fmu)?;
@@ -130,10 +131,10 @@ pub fn examine(fmu: &Path) -> Result<(ModelDescription, Vec<Finding>), UnitError
     Ok((description, findings))
 }
 
-/// Everything that is done with the bytes of an archive short of writing files: the target for generated archives.
+/// Does everything that unpacking does with the bytes of an archive, except writing files: the target of fuzz tests.
 ///
 /// # Errors
-/// What is wrong with them.
+/// The archive is broken or unsafe, or has no readable description.
 pub fn inspect(bytes: &[u8]) -> Result<(ModelDescription, Vec<Finding>), UnitError> {
     let name = Path::new("archive");
     let mut archive = ZipArchive::new(io::Cursor::new(bytes)).map_err(|error| broken(&error).at(name))?;
@@ -173,7 +174,8 @@ fn description<R: Read + Seek>(
     Ok((description, findings))
 }
 
-/// Writes the contents of an entry, and no byte more than the archive announced.
+/// Writes the contents of an entry and fails if their size is not the declared one. At most one byte beyond that is
+/// read, so that a false declaration cannot fill the disk.
 fn contents<R: Read + Seek>(
     archive: &mut ZipArchive<R>,
     entry: &Entry,

@@ -1,13 +1,13 @@
-//! The board: memory that a process with units and the one that looks after it both map, so that last words outlive a crash.
+//! The board: memory mapped by a process with units and by the one that watches it, so that its notes outlive a crash.
 //!
 //! ```text
 //! header │ call notes, one for each stepping thread │ claims │ ring of rows │ ring of messages
 //! ```
 //!
-//! The process with units writes, the other reads; only the flags and the rings' read positions go the other way. (A worker
-//! takes its own words back to send them along; the other reads what it left when it died.) All of
-//! it is words that both sides touch through atomics only, so whatever a unit scribbles over the board the parent reads
-//! numbers, and every number that it uses as a place or a length it checks first.
+//! The process with units writes and the other reads; only the stop flag and the rings' read positions go the other
+//! way. (A worker on the bus reads its own messages back to send them; if it dies, the watching process reads what is
+//! left.) Both sides access all of it as 64-bit words through atomics only. A unit may overwrite any of it by mistake:
+//! the reader then still reads valid integers, and it checks every one that it uses as an offset or a length.
 
 mod claim;
 mod mapping;
@@ -39,14 +39,14 @@ pub struct BoardLayout {
 
 /// First word of a board's file; the last digits count the versions of the layout.
 const MAGIC: u64 = 0x4c4f_434b_5354_0001;
-/// Bytes that the ring of rows takes, roughly: a power of two of rows, at least [`MIN_ROWS`] and at most [`MAX_ROWS`].
+/// Target size of the ring of rows. Its capacity is a power of two of rows, from [`MIN_ROWS`] to [`MAX_ROWS`].
 const ROW_RING_BYTES: usize = 4 << 20;
 const MIN_ROWS: usize = 8;
 const MAX_ROWS: usize = 1 << 16;
 /// Words of the ring of messages.
 const MESSAGE_RING_WORDS: usize = (1 << 20) / 8;
 
-/// Words of the header; the flags have a cache line of their own.
+/// Words of the header. The layout is in the first cache line; what changes during a run is in the second.
 const HEADER_WORDS: usize = 16;
 const MAGIC_AT: usize = 0;
 const NOTES_AT: usize = 1;
@@ -56,9 +56,9 @@ const TICK_AT: usize = 8;
 const STOP_AT: usize = 9;
 const PULSE_AT: usize = 10;
 
-/// Where each part begins, in words.
+/// Where each part begins, in words, and the sizes that follow from the layout.
 #[derive(Clone, Copy, Debug)]
-struct Places {
+struct Offsets {
     notes: usize,
     claims: usize,
     rows: usize,
@@ -68,8 +68,8 @@ struct Places {
 }
 
 impl BoardLayout {
-    /// Where the parts lie, or `None` if the numbers are beyond any memory.
-    fn places(&self) -> Option<Places> {
+    /// The offsets of the parts, or `None` if the board would not fit into an address space.
+    fn offsets(&self) -> Option<Offsets> {
         let row_words = self.columns.checked_add(1)?;
         let fitting = (ROW_RING_BYTES / 8 / row_words).clamp(MIN_ROWS, MAX_ROWS);
         let row_capacity = (fitting + 1).next_power_of_two() / 2;
@@ -82,66 +82,67 @@ impl BoardLayout {
         let messages = rows.checked_add(row_ring)?.checked_next_multiple_of(8)?;
         let words = messages.checked_add(RING_WORDS + MESSAGE_RING_WORDS)?;
         words.checked_mul(8).filter(|&bytes| isize::try_from(bytes).is_ok())?;
-        Some(Places { notes, claims, rows, row_capacity, messages, words })
+        Some(Offsets { notes, claims, rows, row_capacity, messages, words })
     }
 }
 
-/// One process's view of a board. Cheap to share: `&Board` may be used by any thread.
+/// One process's view of a board. Any thread may use a `&Board`.
 #[derive(Debug)]
 pub struct Board {
     mapping: Arc<Mapping>,
     layout: BoardLayout,
-    places: Places,
+    offsets: Offsets,
     rows: Rows,
     messages: Messages,
 }
 
 impl Board {
-    /// Makes the file, readable and writable for its owner only, and maps it. An existing file is an error.
+    /// Creates the file, readable and writable for its owner only, and maps it. An existing file is an error.
     ///
     /// # Errors
-    /// The file cannot be made, has no room on its disk, or cannot be mapped.
+    /// The file cannot be created, its disk is full, or it cannot be mapped.
     pub fn create(path: &Path, layout: &BoardLayout) -> io::Result<Self> {
-        let places = layout.places().ok_or_else(|| impossible(layout))?;
-        let board = Self::over(Mapping::create(path, places.words)?, *layout, places);
+        let offsets = layout.offsets().ok_or_else(|| too_large(layout))?;
+        let board = Self::from_mapping(Mapping::create(path, offsets.words)?, *layout, offsets);
         for (at, value) in [(NOTES_AT, layout.notes), (COLUMNS_AT, layout.columns), (CLAIMS_AT, layout.claims)] {
             board.word(at).store(value as u64, Ordering::Relaxed);
         }
+        // Last, and paired with the acquire in `open`: a process that sees the magic number sees the layout too.
         board.word(MAGIC_AT).store(MAGIC, Ordering::Release);
         Ok(board)
     }
 
-    /// A board in this process's own memory, where the loop runs in a thread of it or nobody looks after the run.
+    /// A board in this process's own memory, for a loop that runs in a thread of this process or is not watched.
     ///
     /// # Errors
     /// There is not enough memory.
     pub fn private(layout: &BoardLayout) -> io::Result<Self> {
-        let places = layout.places().ok_or_else(|| impossible(layout))?;
-        Ok(Self::over(Mapping::private(places.words)?, *layout, places))
+        let offsets = layout.offsets().ok_or_else(|| too_large(layout))?;
+        Ok(Self::from_mapping(Mapping::private(offsets.words)?, *layout, offsets))
     }
 
-    /// Maps a board that another process made.
+    /// Maps a board that another process created.
     ///
     /// # Errors
-    /// The file cannot be opened or mapped, or is no board of this version of Lockstep.
+    /// The file cannot be opened or mapped, or is not a board of this version of Lockstep.
     pub fn open(path: &Path) -> io::Result<Self> {
         let mapping = Mapping::open(path)?;
-        let no_board = || io::Error::new(io::ErrorKind::InvalidData, format!("{} is no board", path.display()));
+        let not_a_board = || io::Error::new(io::ErrorKind::InvalidData, format!("{} is no board", path.display()));
         let words = mapping.words();
         if words.len() < HEADER_WORDS || words[MAGIC_AT].load(Ordering::Acquire) != MAGIC {
-            return Err(no_board());
+            return Err(not_a_board());
         }
-        let number = |at: usize| usize::try_from(words[at].load(Ordering::Relaxed)).map_err(|_| no_board());
+        let number = |at: usize| usize::try_from(words[at].load(Ordering::Relaxed)).map_err(|_| not_a_board());
         let layout = BoardLayout { notes: number(NOTES_AT)?, columns: number(COLUMNS_AT)?, claims: number(CLAIMS_AT)? };
-        let places = layout.places().filter(|places| places.words == words.len()).ok_or_else(no_board)?;
-        Ok(Self::over(mapping, layout, places))
+        let offsets = layout.offsets().filter(|offsets| offsets.words == words.len()).ok_or_else(not_a_board)?;
+        Ok(Self::from_mapping(mapping, layout, offsets))
     }
 
-    fn over(mapping: Mapping, layout: BoardLayout, places: Places) -> Self {
-        assert_eq!(mapping.words().len(), places.words, "a board's file has the length of its layout");
-        let rows = Rows::new(mapping.words(), places.rows, places.row_capacity, layout.columns + 1);
-        let messages = Messages::new(mapping.words(), places.messages, MESSAGE_RING_WORDS);
-        Self { mapping: Arc::new(mapping), layout, places, rows, messages }
+    fn from_mapping(mapping: Mapping, layout: BoardLayout, offsets: Offsets) -> Self {
+        assert_eq!(mapping.words().len(), offsets.words, "a board's file has the length of its layout");
+        let rows = Rows::new(mapping.words(), offsets.rows, offsets.row_capacity, layout.columns + 1);
+        let messages = Messages::new(mapping.words(), offsets.messages, MESSAGE_RING_WORDS);
+        Self { mapping: Arc::new(mapping), layout, offsets, rows, messages }
     }
 
     #[inline]
@@ -155,50 +156,50 @@ impl Board {
         &self.layout
     }
 
-    /// The call note of stepping thread `i`. It keeps the board mapped.
+    /// The call note of stepping thread `i`. The note keeps the board mapped.
     #[must_use]
     pub fn note(&self, i: usize) -> Note {
         assert!(i < self.layout.notes, "note {i} of a board with {}", self.layout.notes);
-        Note::new(Arc::clone(&self.mapping), self.places.notes + i * NOTE_WORDS)
+        Note::new(Arc::clone(&self.mapping), self.offsets.notes + i * NOTE_WORDS)
     }
 
-    /// Adds a row; while the ring is full this waits for the parent. For one thread at a time.
+    /// Adds a row; while the ring is full, waits for the reader. Only one thread at a time may call this.
     pub fn push_row(&self, tick: u64, slots: &[u64]) {
         self.rows.push(self.mapping.words(), tick, slots);
     }
 
-    /// Hands over all rows that are there, in order, and says how many they were.
+    /// Calls `each` with every row in the ring, in order, and returns how many there were.
     pub fn pop_rows(&self, each: impl FnMut(u64, &[u64])) -> usize {
         self.rows.pop(self.mapping.words(), each)
     }
 
-    /// Adds a message; any thread may, and while the ring is full it waits for the parent.
+    /// Adds a message; while the ring is full, waits for the reader. Any thread may call this.
     ///
-    /// False if it was dropped because it is longer than [`Board::LONGEST_MESSAGE`].
+    /// Returns false if the message was dropped because it is longer than [`Board::LONGEST_MESSAGE`].
     pub fn push_message(&self, message: &[u8]) -> bool {
         self.messages.push(self.mapping.words(), message)
     }
 
-    /// The bytes of the longest message that [`Board::push_message`] takes.
+    /// The length in bytes of the longest message that [`Board::push_message`] accepts.
     pub const LONGEST_MESSAGE: usize = (MESSAGE_RING_WORDS - 1) * 8;
 
-    /// Whether a message finds room without waiting.
+    /// Whether a message fits without waiting.
     #[must_use]
     pub fn has_room_for(&self, message: &[u8]) -> bool {
         self.messages.has_room_for(self.mapping.words(), message)
     }
 
-    /// Hands over all messages that are there, in order, and says how many they were.
+    /// Calls `each` with every message in the ring, in order, and returns how many there were.
     pub fn pop_messages(&self, each: impl FnMut(&[u8])) -> usize {
         self.messages.pop(self.mapping.words(), each)
     }
 
-    /// Says how claim `i` stands. For one thread at a time.
+    /// Stores how claim `i` stands. Only one thread at a time may call this.
     pub fn set_claim(&self, i: usize, note: &ClaimNote) {
         note.store(self.claim_words(i));
     }
 
-    /// How claim `i` stood when it was last told; `None` before that.
+    /// How claim `i` stood when it was last stored; `None` if it never was.
     #[must_use]
     pub fn claim(&self, i: usize) -> Option<ClaimNote> {
         ClaimNote::load(self.claim_words(i))
@@ -206,11 +207,11 @@ impl Board {
 
     fn claim_words(&self, i: usize) -> &[AtomicU64] {
         assert!(i < self.layout.claims, "claim {i} of a board with {}", self.layout.claims);
-        let at = self.places.claims + i * CLAIM_WORDS;
+        let at = self.offsets.claims + i * CLAIM_WORDS;
         &self.mapping.words()[at..at + CLAIM_WORDS]
     }
 
-    /// Says which tick the run has reached.
+    /// Stores the tick that the run has reached.
     #[inline]
     pub fn set_tick(&self, tick: u64) {
         self.word(TICK_AT).store(tick, Ordering::Release);
@@ -222,18 +223,18 @@ impl Board {
         self.word(TICK_AT).load(Ordering::Acquire)
     }
 
-    /// Gives a sign of life.
+    /// Increments the heartbeat counter.
     pub fn beat(&self) {
         self.word(PULSE_AT).fetch_add(1, Ordering::Relaxed);
     }
 
-    /// How many signs of life there were.
+    /// The heartbeat counter; while it increases, the process is alive.
     #[must_use]
     pub fn pulse(&self) -> u64 {
         self.word(PULSE_AT).load(Ordering::Relaxed)
     }
 
-    /// Asks the run to end after the tick that it is in.
+    /// Asks the run to end after the present tick.
     pub fn request_stop(&self) {
         self.word(STOP_AT).store(1, Ordering::Release);
     }
@@ -246,7 +247,7 @@ impl Board {
     }
 }
 
-fn impossible(layout: &BoardLayout) -> io::Error {
+fn too_large(layout: &BoardLayout) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, format!("no memory holds a board of {layout:?}"))
 }
 

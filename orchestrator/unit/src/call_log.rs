@@ -1,8 +1,8 @@
-//! `--log-fmi-calls`: stands between an instance and its unit and tells each call, before it is made and when it is back.
+//! `--log-fmi-calls`: logs each call of an instance, once before it is made and once after it has returned.
 //!
-//! An instance whose calls are told gets a table of the functions below in the place of the unit's, and as its component
-//! what they need to know; everybody else's calls stay as they are. A line comes in two pieces, so that a call that never
-//! comes back is there without an answer:
+//! An instance whose calls are logged gets a table of the functions below instead of the unit's, and a pointer to a
+//! [`Logged`] as its component. Other instances keep the unit's functions, so that logging costs them nothing. A line
+//! is written in two pieces, so that a call that never returns is in the log without a result:
 //!
 //! ```text
 //! 0.005 s  fmi2SetReal(mean.x = 3.5, mean.y = 0) -> fmi2OK
@@ -25,30 +25,30 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::slice;
 use std::sync::Arc;
 
-/// The most bytes of a log that one message carries.
+/// The largest number of bytes of a call log in one message.
 pub const LONGEST_PIECE: usize = Board::LONGEST_MESSAGE / 16;
 
-/// Where pieces of lines go.
+/// Receives pieces of lines.
 pub type CallSink = Arc<dyn Fn(&str) + Send + Sync>;
 
-/// Tells the calls of one instance.
+/// Where and how the calls of one instance are logged.
 pub struct CallLog {
-    /// Where they are told.
+    /// Receives the log.
     pub sink: CallSink,
-    /// The communication step, to tell the time.
+    /// The communication step, to compute the time from the tick.
     pub step_ns: u64,
 }
 
-/// What knows how to tell the calls of one instance.
-pub(super) struct Teller {
+/// Writes the log of the calls of one instance.
+pub(super) struct CallWriter {
     pub log: CallLog,
     pub note: Note,
     pub names: Arc<VariableNames>,
 }
 
-/// What the functions below get as their component.
+/// What the functions below get as their component: the unit's functions and component, and the log.
 struct Logged {
-    teller: Teller,
+    writer: CallWriter,
     functions: Functions,
     states: Result<StateFunctions, Call>,
     component: Component,
@@ -62,27 +62,27 @@ pub(super) struct Calls {
     pub component: Component,
 }
 
-impl Teller {
-    /// Tells that a call begins.
+impl CallWriter {
+    /// Writes that a call begins.
     pub fn begin(&self, call: Call, arguments: impl FnOnce() -> String) {
         let time_s = seconds(self.note.tick(), self.log.step_ns);
-        self.say(|| format!("{} s  {}({})", shortest_decimal(time_s), call.name(), arguments()));
+        self.write(|| format!("{} s  {}({})", shortest_decimal(time_s), call.name(), arguments()));
     }
 
-    /// Tells what it came to.
-    pub fn end(&self, answer: impl FnOnce() -> String) {
-        self.say(|| format!(" -> {}\n", answer()));
+    /// Writes the result of the call.
+    pub fn end(&self, result: impl FnOnce() -> String) {
+        self.write(|| format!(" -> {}\n", result()));
     }
 
-    fn say(&self, piece: impl FnOnce() -> String) {
-        // What is caught was told by the panic hook already; the unit's frames below must not be unwound.
+    fn write(&self, piece: impl FnOnce() -> String) {
+        // A panic must not unwind through the `extern "C"` functions below. The panic hook has reported it already.
         let _ = catch_unwind(AssertUnwindSafe(|| (self.log.sink)(&piece())));
     }
 
-    /// What stands between from now on, until the instance is freed.
+    /// The functions and the component by which the instance is to call its unit, until the instance is freed.
     pub fn interpose(self, unit: Calls) -> Calls {
         let Calls { functions, states, component } = unit;
-        let logged = Box::into_raw(Box::new(Logged { teller: self, functions, states, component }));
+        let logged = Box::into_raw(Box::new(Logged { writer: self, functions, states, component }));
         let table = Functions {
             free_instance,
             setup_experiment,
@@ -108,32 +108,32 @@ impl Teller {
 
 impl Logged {
     /// # Safety
-    /// The component is one that [`Teller::interpose`] made, and its instance is not freed.
+    /// The component is one that [`CallWriter::interpose`] made, and its instance is not freed.
     unsafe fn of<'a>(component: Component) -> &'a Self {
-        // SAFETY: the caller says so.
+        // SAFETY: guaranteed by the caller: the component points to a `Logged` that `free_instance` has not freed yet.
         unsafe { &*component.cast() }
     }
 
-    /// Tells and makes a call; `answer` is what it brought if it succeeded.
+    /// Makes a call and logs it; `results` gives the values that it returned if it succeeded.
     fn call(
         &self,
         call: Call,
         arguments: impl FnOnce() -> String,
         foreign: impl FnOnce(&Functions, Component) -> RawStatus,
-        answer: impl FnOnce() -> String,
+        results: impl FnOnce() -> String,
     ) -> RawStatus {
-        self.teller.begin(call, arguments);
+        self.writer.begin(call, arguments);
         let status = foreign(&self.functions, self.component);
-        self.teller.end(|| match Status::from_raw(status) {
-            Some(told @ (Status::Ok | Status::Warning)) => [told.name(), &answer()].concat(),
-            Some(told) => told.name().to_owned(),
+        self.writer.end(|| match Status::from_raw(status) {
+            Some(known @ (Status::Ok | Status::Warning)) => [known.name(), &results()].concat(),
+            Some(known) => known.name().to_owned(),
             None => format!("{status}, which is no status of FMI 2.0"),
         });
         status
     }
 
     fn name(&self, base_type: BaseType, reference: ValueReference) -> &str {
-        self.teller.names.get(base_type, reference).unwrap_or("a variable that the description does not have")
+        self.writer.names.get(base_type, reference).unwrap_or("a variable that the description does not have")
     }
 
     /// `mean.x, mean.y`
@@ -145,7 +145,7 @@ impl Logged {
     /// `mean.x = 3.5, mean.y = 0`
     ///
     /// # Safety
-    /// The values are such that `text` may be called with them.
+    /// `text` may be called with each of the values.
     unsafe fn values<T: Copy>(
         &self,
         base_type: BaseType,
@@ -154,7 +154,7 @@ impl Logged {
         text: unsafe fn(T) -> String,
     ) -> String {
         let pair = |(&reference, &value): (&ValueReference, &T)| {
-            // SAFETY: the caller says so.
+            // SAFETY: guaranteed by the caller.
             format!("{} = {}", self.name(base_type, reference), unsafe { text(value) })
         };
         references.iter().zip(values).map(pair).collect::<Vec<_>>().join(", ")
@@ -172,14 +172,14 @@ macro_rules! accessors {
         ) -> RawStatus {
             // SAFETY: `Instance` calls with its own component and with slices of `count` elements.
             let (logged, read) = unsafe { (Logged::of(component), slice::from_raw_parts(references, count)) };
-            // SAFETY: the arguments are those that the unit is to get.
+            // SAFETY: the arguments are passed on unchanged, with the unit's own component.
             let call = |functions: &Functions, unit| unsafe { (functions.$get)(unit, references, count, values) };
             logged.call(
                 Call::$get_call,
                 || logged.names(BaseType::$base_type, read),
                 call,
                 || {
-                    // SAFETY: the unit has written them.
+                    // SAFETY: `values` has `count` elements, which the unit has written.
                     let texts = unsafe {
                         logged.values(BaseType::$base_type, read, slice::from_raw_parts(values, count), $text)
                     };
@@ -197,10 +197,10 @@ macro_rules! accessors {
             // SAFETY: `Instance` calls with its own component and with slices of `count` elements.
             let (logged, read) = unsafe { (Logged::of(component), slice::from_raw_parts(references, count)) };
             let arguments = || {
-                // SAFETY: the values are `Instance`'s own.
+                // SAFETY: `values` has `count` elements, which belong to `Instance`.
                 unsafe { logged.values(BaseType::$base_type, read, slice::from_raw_parts(values, count), $text) }
             };
-            // SAFETY: the arguments are those that the unit is to get.
+            // SAFETY: the arguments are passed on unchanged, with the unit's own component.
             let call = |functions: &Functions, unit| unsafe { (functions.$set)(unit, references, count, values) };
             logged.call(Call::$set_call, arguments, call, String::new)
         }
@@ -212,7 +212,7 @@ accessors!(i32, Integer, |value| value.to_string(), get_integer = GetInteger, se
 accessors!(Boolean, Boolean, boolean, get_boolean = GetBoolean, set_boolean = SetBoolean);
 accessors!(Str, String, string, get_string = GetString, set_string = SetString);
 
-/// Any number but zero is true; it is told if it is an unusual one.
+/// Any number other than zero is true; a number other than one is shown.
 fn boolean(value: Boolean) -> String {
     match value {
         FALSE => "fmi2False".to_owned(),
@@ -227,11 +227,11 @@ unsafe fn string(text: Str) -> String {
     if text.is_null() {
         return "NULL".to_owned();
     }
-    // SAFETY: the caller says so.
+    // SAFETY: guaranteed by the caller.
     format!("{:?}", unsafe { CStr::from_ptr(text) }.to_string_lossy())
 }
 
-/// A function of the instance alone.
+/// A function whose only argument is the instance.
 macro_rules! plain {
     ($function:ident = $call:ident) => {
         unsafe extern "C" fn $function(component: Component) -> RawStatus {
@@ -259,7 +259,7 @@ unsafe extern "C" fn setup_experiment(
     // SAFETY: `Instance` calls with its own component.
     let logged = unsafe { Logged::of(component) };
     let call = |functions: &Functions, unit| {
-        // SAFETY: plain numbers.
+        // SAFETY: the unit gets its own component and plain numbers.
         unsafe { (functions.setup_experiment)(unit, with_tolerance, tolerance, start_s, with_stop, stop_s) }
     };
     let arguments = || {
@@ -276,7 +276,7 @@ unsafe extern "C" fn setup_experiment(
 unsafe extern "C" fn do_step(component: Component, time_s: f64, step_s: f64, no_way_back: Boolean) -> RawStatus {
     // SAFETY: `Instance` calls with its own component.
     let logged = unsafe { Logged::of(component) };
-    // SAFETY: plain numbers.
+    // SAFETY: the unit gets its own component and plain numbers.
     let call = |functions: &Functions, unit| unsafe { (functions.do_step)(unit, time_s, step_s, no_way_back) };
     let arguments = || {
         let ([time, step], no_way_back) = ([time_s, step_s].map(shortest_decimal), boolean(no_way_back));
@@ -288,18 +288,18 @@ unsafe extern "C" fn do_step(component: Component, time_s: f64, step_s: f64, no_
     logged.call(Call::DoStep, arguments, call, String::new)
 }
 
-/// What is asked after a discarded step.
+/// A status function, which is called after a discarded step.
 macro_rules! status {
     ($function:ident = $call:ident, $value:ty, $text:expr) => {
         unsafe extern "C" fn $function(component: Component, kind: StatusKind, value: *mut $value) -> RawStatus {
             // SAFETY: `Instance` calls with its own component.
             let logged = unsafe { Logged::of(component) };
             let call = |functions: &Functions, unit| match functions.$function {
-                // SAFETY: the arguments are those that the unit is to get.
+                // SAFETY: the arguments are passed on unchanged, with the unit's own component.
                 Some(function) => unsafe { function(unit, kind, value) },
                 None => unreachable!("only what the unit has is in the table"),
             };
-            // SAFETY: `Instance` asks with a pointer to a value.
+            // SAFETY: `Instance` passes a pointer to an initialized value.
             logged.call(Call::$call, || kind_name(kind), call, || format!(", {}", $text(unsafe { *value })))
         }
     };
@@ -317,12 +317,12 @@ fn kind_name(kind: StatusKind) -> String {
 }
 
 unsafe extern "C" fn free_instance(component: Component) {
-    // SAFETY: `interpose` made it, and `Instance` frees its component once, as its last call.
+    // SAFETY: `interpose` made the component from a box, and `Instance` calls this once, as its last call.
     let logged = unsafe { Box::<Logged>::from_raw(component.cast()) };
-    logged.teller.begin(Call::FreeInstance, String::new);
+    logged.writer.begin(Call::FreeInstance, String::new);
     // SAFETY: the unit gets its own component, for the last time.
     unsafe { (logged.functions.free_instance)(logged.component) };
-    logged.teller.end(|| "returned".to_owned());
+    logged.writer.end(|| "returned".to_owned());
 }
 
 /// The shortest decimal that reads back to the same number, without `.0`.

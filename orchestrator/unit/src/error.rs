@@ -1,4 +1,4 @@
-//! Why a unit cannot be used: what its archive or its library lacks.
+//! Why a unit cannot be used: the errors of its archive and of its library.
 
 use fmi2::description::Finding;
 use std::fmt;
@@ -14,14 +14,14 @@ pub enum UnitError {
         doing: &'static str,
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         error: io::Error,
     },
     /// The archive is broken or unsafe.
     Archive {
         /// The archive.
         archive: PathBuf,
-        /// The entry, if it is about one.
+        /// The entry, if the problem is about one.
         entry: Option<String>,
         /// What is wrong.
         problem: String,
@@ -37,9 +37,9 @@ pub enum UnitError {
     NoCoSimulation,
     /// There is no library for this platform.
     NoBinary {
-        /// The file that was looked for, relative to the unit's folder.
+        /// The file that is needed, relative to the unit's folder.
         wanted: String,
-        /// What is there instead, relative to the unit's folder.
+        /// The files that exist instead, relative to the unit's folder.
         present: Vec<String>,
     },
     /// The system's loader refuses the library.
@@ -56,15 +56,15 @@ pub enum UnitError {
         /// The function.
         symbol: &'static str,
     },
-    /// The library speaks another version of the standard, or has other C types.
+    /// The library implements another version of the standard, or uses other C types.
     Version {
         /// The library.
         library: PathBuf,
-        /// The function that was asked.
+        /// The function that was called.
         function: &'static str,
-        /// What it should answer.
+        /// What it should return.
         expected: &'static str,
-        /// What it answered.
+        /// What it returned.
         found: String,
     },
 }
@@ -76,26 +76,26 @@ pub enum Refusal {
     MissingLibrary(String),
     /// It needs a symbol that no loaded library has.
     MissingSymbol(String),
-    /// Anything else, in the loader's words.
+    /// Anything else, as the loader's message.
     Other(String),
 }
 
 impl Refusal {
-    /// Reads what `dlerror` said about `library`.
-    pub(super) fn of(library: &Path, said: &str) -> Self {
-        let (subject, rest) = said.split_once(": ").unwrap_or(("", said));
+    /// Classifies the message of `dlerror` about `library`.
+    pub(super) fn of(library: &Path, message: &str) -> Self {
+        let (subject, rest) = message.split_once(": ").unwrap_or(("", message));
         if rest.starts_with("cannot open shared object file") && Path::new(subject) != library {
             Self::MissingLibrary(subject.to_owned())
         } else if let Some(symbol) = rest.strip_prefix("undefined symbol: ") {
             Self::MissingSymbol(symbol.to_owned())
         } else {
-            Self::Other(said.to_owned())
+            Self::Other(message.to_owned())
         }
     }
 }
 
 impl UnitError {
-    /// The sentence, with the unit's name where the error itself has none.
+    /// The message, with the unit's name where the error itself does not contain it.
     #[must_use]
     pub fn of_unit(&self, unit: &str) -> String {
         match self {
@@ -133,7 +133,7 @@ impl fmt::Display for UnitError {
                     Refusal::MissingSymbol(name) => {
                         write!(f, "{library} needs the symbol `{name}`, which no loaded library has")
                     }
-                    Refusal::Other(said) => write!(f, "{library} cannot be loaded: {said}"),
+                    Refusal::Other(message) => write!(f, "{library} cannot be loaded: {message}"),
                 }
             }
             Self::NoFunction { library, symbol } => {
@@ -156,9 +156,9 @@ impl std::error::Error for UnitError {
 }
 
 #[test]
-fn what_the_loader_says_is_understood() {
+fn messages_of_the_loader_are_classified() {
     let library = Path::new("/units/a.so");
-    let of = |said| Refusal::of(library, said);
+    let of = |message| Refusal::of(library, message);
     assert_eq!(
         of("libpython3.11.so.1.0: cannot open shared object file: No such file or directory"),
         Refusal::MissingLibrary("libpython3.11.so.1.0".into())

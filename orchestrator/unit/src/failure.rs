@@ -1,61 +1,61 @@
-//! Why a run broke: which instance, in which call, at which time, and what happened.
+//! Why a run broke: the instance, the call, the time and the cause.
 
 use fmi2::c::Status;
 use fmi2::calls::Call;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// A broken run. Names are filled in when it happens, so that whoever prints it needs nothing else.
+/// Why a run broke. Names are filled in when it happens, so that printing needs no other data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Failure {
-    /// The instance's name in the script; `None` if no instance was concerned.
+    /// The instance's name in the script; `None` if the failure is not about one instance.
     pub instance: Option<String>,
-    /// What was being done.
+    /// What the process was doing.
     pub doing: Doing,
     /// Simulated time in seconds; `None` before the first instance exists.
     pub time_s: Option<f64>,
-    /// What happened.
+    /// The cause.
     pub cause: Cause,
 }
 
-/// What was being done when a run broke.
+/// What a process was doing when the run broke.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Doing {
     /// Loading the unit's library.
     Load,
-    /// A call of the standard.
+    /// A call of a function of the standard.
     Call(Call),
-    /// Nothing of a unit's: between calls.
+    /// No call of a unit.
     BetweenCalls,
 }
 
-/// What happened.
+/// The cause of a failure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Cause {
-    /// The call returned this, `fmi2Error` or an unknown number.
+    /// The call returned this status, which is neither `fmi2OK` nor `fmi2Warning`.
     Status(i32),
     /// `fmi2Instantiate` returned NULL.
     NoInstance,
     /// The process was ended by this signal.
     Signal(i32),
-    /// The process ended with this exit code without saying that it was done.
+    /// The process ended with this exit code without reporting that the run was complete.
     Exit(i32),
     /// The call did not return within this many seconds.
     Hung(f64),
-    /// The process of the instance gave no sign of life for this many seconds.
+    /// The process of the instance sent no heartbeat for this many seconds.
     Silent(f64),
-    /// A variable got a value that is no number.
+    /// A variable got a value that is not a finite number.
     NonFinite {
         /// The variable.
         variable: String,
-        /// The value, `NaN` or `inf`.
+        /// The value: `NaN`, `inf` or `-inf`.
         value: String,
     },
-    /// Anything else, told in words.
+    /// Anything else, as text.
     Other(String),
 }
 
-/// The name of a signal, where it has one that people know.
+/// The name of a signal that often ends a process; `None` for others.
 #[must_use]
 pub fn signal_name(signal: i32) -> Option<&'static str> {
     Some(match signal {
@@ -71,13 +71,13 @@ pub fn signal_name(signal: i32) -> Option<&'static str> {
 }
 
 impl Failure {
-    /// Something that has to do with no unit.
+    /// A failure that is not about a unit.
     #[must_use]
     pub fn between_calls(time_s: f64, text: String) -> Self {
         Self { instance: None, doing: Doing::BetweenCalls, time_s: Some(time_s), cause: Cause::Other(text) }
     }
 
-    /// What the user can do about it, where there is something.
+    /// What the user can do about it, if anything.
     #[must_use]
     pub fn help(&self) -> Option<String> {
         match (&self.cause, self.doing) {
@@ -151,7 +151,7 @@ impl fmt::Display for Failure {
 mod tests {
     use super::*;
 
-    fn told(instance: &str, doing: Doing, time_s: Option<f64>, cause: Cause) -> String {
+    fn message(instance: &str, doing: Doing, time_s: Option<f64>, cause: Cause) -> String {
         let instance = (!instance.is_empty()).then(|| instance.to_owned());
         let failure = Failure { instance, doing, time_s, cause };
         let help = failure.help().map_or(String::new(), |help| format!("\nhelp: {help}"));
@@ -162,31 +162,36 @@ mod tests {
     fn a_failure_names_instance_call_and_time() {
         let step = Doing::Call(Call::DoStep);
         let texts = [
-            told("quad", step, Some(12.34), Cause::Status(3)),
-            told("quad", Doing::Call(Call::GetReal), Some(0.0), Cause::Status(77)),
-            told("quad", Doing::Call(Call::Instantiate), Some(0.0), Cause::NoInstance),
-            told("plan", step, Some(12.34), Cause::Signal(11)),
-            told("plan", step, Some(12.34), Cause::Signal(9)),
-            told("plan", step, Some(12.34), Cause::Signal(63)),
-            told("plan", Doing::Load, None, Cause::Signal(6)),
-            told("", Doing::BetweenCalls, Some(0.5), Cause::Exit(101)),
-            told("plan", Doing::Call(Call::FreeInstance), Some(60.0), Cause::Exit(0)),
-            told("plan", step, Some(12.34), Cause::Hung(10.0)),
-            told("plan", Doing::Load, None, Cause::Hung(0.5)),
-            told("plan", step, Some(12.34), Cause::Silent(2.0)),
-            told(
+            message("quad", step, Some(12.34), Cause::Status(3)),
+            message("quad", Doing::Call(Call::GetReal), Some(0.0), Cause::Status(77)),
+            message("quad", Doing::Call(Call::Instantiate), Some(0.0), Cause::NoInstance),
+            message("plan", step, Some(12.34), Cause::Signal(11)),
+            message("plan", step, Some(12.34), Cause::Signal(9)),
+            message("plan", step, Some(12.34), Cause::Signal(63)),
+            message("plan", Doing::Load, None, Cause::Signal(6)),
+            message("", Doing::BetweenCalls, Some(0.5), Cause::Exit(101)),
+            message("plan", Doing::Call(Call::FreeInstance), Some(60.0), Cause::Exit(0)),
+            message("plan", step, Some(12.34), Cause::Hung(10.0)),
+            message("plan", Doing::Load, None, Cause::Hung(0.5)),
+            message("plan", step, Some(12.34), Cause::Silent(2.0)),
+            message(
                 "quad",
                 Doing::Call(Call::GetReal),
                 Some(1.5),
                 Cause::NonFinite { variable: "position.x".into(), value: "NaN".into() },
             ),
-            told(
+            message(
                 "quad",
                 step,
                 Some(0.5),
                 Cause::Other("fmi2DoStep returned fmi2Pending, but nobody asked for it".into()),
             ),
-            told("quad", Doing::Load, None, Cause::Other("quad.fmu has no binary for linux64 (it has: win64)".into())),
+            message(
+                "quad",
+                Doing::Load,
+                None,
+                Cause::Other("quad.fmu has no binary for linux64 (it has: win64)".into()),
+            ),
         ];
         insta::assert_snapshot!(texts.concat());
     }

@@ -1,6 +1,6 @@
-//! One instance of a unit: the calls of FMI 2.0, each noted on the board, each answer judged.
+//! One instance of a unit: the calls of FMI 2.0, each noted on the board, each status checked.
 //!
-//! Next on the walk of a number: `fmus/<unit>/src/lib.rs`, on the other side of the function pointers.
+//! Next on the walk of a number: `fmus/<unit>/src/lib.rs`, behind the function pointers.
 
 mod lifecycle;
 mod states;
@@ -20,59 +20,60 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use strings::Strings;
 
-/// How a step ended that was no failure.
+/// How a step ended that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepResult {
-    /// The unit came to the end of the step.
+    /// The unit reached the end of the step.
     Done,
-    /// The unit says that it is done for good (`fmi2Discard` with `fmi2Terminated`).
+    /// The unit wants the run to end (`fmi2Discard` with `fmi2Terminated`).
     Terminated {
-        /// How far it came; the step's beginning if it does not say.
+        /// The time that it reached; the start of the step if it does not report one.
         last_successful_time_s: f64,
     },
 }
 
-/// One instance of a unit, freed when dropped. Its functions may be called by any one thread at a time.
+/// One instance of a unit, freed when dropped. Any thread may call it, but only one at a time.
 #[derive(Debug)]
 pub struct Instance {
     component: Component,
     index: usize,
-    /// What nearly every step calls, apart from the other functions: a loop over many instances reads little else.
+    /// The functions that nearly every step calls are kept here and not behind `rest`: a loop over many instances then
+    /// loads few cache lines for each.
     set_real: Set<f64>,
     do_step: DoStep,
     get_real: Get<f64>,
     rest: Box<Rest>,
 }
 
-/// What only some calls need.
+/// What is needed only by some calls.
 #[derive(Debug)]
 struct Rest {
     functions: Functions,
-    /// Those that save and restore states, or the first that the unit lacks.
+    /// The functions that save and restore states, or the first one that the library lacks.
     states: Result<StateFunctions, Call>,
     note: Note,
     name: String,
     library: Arc<Library>,
-    /// Many units keep the address, so it stays the same.
+    /// Boxed, because many units keep the address of this struct.
     _callbacks: Box<CallbackFunctions>,
     _registration: Registration,
-    log: LogTap,
+    status_log: StatusLog,
     strings: Strings,
 }
 
-// SAFETY: the standard lets any thread call a unit, as long as calls of one instance do not overlap, which `&mut self`
-// sees to; nothing but those calls uses the raw pointers inside.
+// SAFETY: the standard allows any thread to call a unit if the calls of one instance do not overlap, which `&mut self`
+// ensures; the raw pointers inside are used in these calls only.
 unsafe impl Send for Instance {}
 
-/// The way from here into the log, for what a unit says by its status only.
-struct LogTap {
+/// Logs a warning that a unit reports by its return status only.
+struct StatusLog {
     sink: LogSink,
     warned: bool,
 }
 
-impl std::fmt::Debug for LogTap {
+impl std::fmt::Debug for StatusLog {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("LogTap").field("warned", &self.warned).finish_non_exhaustive()
+        f.debug_struct("StatusLog").field("warned", &self.warned).finish_non_exhaustive()
     }
 }
 
@@ -83,13 +84,13 @@ impl Instance {
         &self.rest.name
     }
 
-    /// The unit's functions, for whoever measures what the calls alone cost.
+    /// The unit's functions, for benchmarks that measure the cost of the bare calls.
     #[must_use]
     pub fn functions(&self) -> &Functions {
         &self.rest.functions
     }
 
-    /// The unit's handle of this instance, to go with [`Instance::functions`].
+    /// The unit's handle of this instance, for calls of [`Instance::functions`].
     #[must_use]
     pub fn component(&self) -> Component {
         self.component
@@ -98,7 +99,7 @@ impl Instance {
     /// Sets Real variables.
     ///
     /// # Errors
-    /// The unit refuses.
+    /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     #[inline]
     pub fn set_real(&mut self, now: &Now<'_>, references: &[u32], values: &[f64]) -> Result<(), Failure> {
         let set_real = self.set_real;
@@ -108,10 +109,10 @@ impl Instance {
         })
     }
 
-    /// Sets Integer variables, enumerations among them.
+    /// Sets Integer variables, including enumerations.
     ///
     /// # Errors
-    /// The unit refuses.
+    /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     #[inline]
     pub fn set_integer(&mut self, now: &Now<'_>, references: &[u32], values: &[i32]) -> Result<(), Failure> {
         self.values(now, Call::SetInteger, references.len(), values.len(), |functions, component, count| {
@@ -123,7 +124,7 @@ impl Instance {
     /// Sets Boolean variables, 0 or 1.
     ///
     /// # Errors
-    /// The unit refuses.
+    /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     #[inline]
     pub fn set_boolean(&mut self, now: &Now<'_>, references: &[u32], values: &[Boolean]) -> Result<(), Failure> {
         self.values(now, Call::SetBoolean, references.len(), values.len(), |functions, component, count| {
@@ -132,10 +133,10 @@ impl Instance {
         })
     }
 
-    /// Reads Real variables. What comes may be infinite or no number.
+    /// Reads Real variables. The values may be infinite or NaN: the caller checks them.
     ///
     /// # Errors
-    /// The unit refuses.
+    /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     #[inline]
     pub fn get_real(&mut self, now: &Now<'_>, references: &[u32], values: &mut [f64]) -> Result<(), Failure> {
         let get_real = self.get_real;
@@ -145,10 +146,10 @@ impl Instance {
         })
     }
 
-    /// Reads Integer variables, enumerations among them.
+    /// Reads Integer variables, including enumerations.
     ///
     /// # Errors
-    /// The unit refuses.
+    /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     #[inline]
     pub fn get_integer(&mut self, now: &Now<'_>, references: &[u32], values: &mut [i32]) -> Result<(), Failure> {
         self.values(now, Call::GetInteger, references.len(), values.len(), |functions, component, count| {
@@ -157,10 +158,10 @@ impl Instance {
         })
     }
 
-    /// Reads Boolean variables: 0 or 1, whatever the unit takes for true.
+    /// Reads Boolean variables as 0 or 1, even if the unit uses another number for true.
     ///
     /// # Errors
-    /// The unit refuses.
+    /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     #[inline]
     pub fn get_boolean(&mut self, now: &Now<'_>, references: &[u32], values: &mut [Boolean]) -> Result<(), Failure> {
         self.values(now, Call::GetBoolean, references.len(), values.len(), |functions, component, count| {
@@ -176,22 +177,23 @@ impl Instance {
     /// Sets String variables.
     ///
     /// # Errors
-    /// The unit refuses.
+    /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     pub fn set_string(&mut self, now: &Now<'_>, references: &[u32], values: &[String]) -> Result<(), Failure> {
         let mut strings = std::mem::take(&mut self.rest.strings);
         let texts = strings.for_unit(values);
         let result = self.values(now, Call::SetString, references.len(), texts.len(), |functions, component, count| {
-            // SAFETY: both slices have `count` elements, and the unit only reads them and the texts behind them.
+            // SAFETY: both slices have `count` elements, and the unit only reads them and the strings that they point
+            // to.
             unsafe { (functions.set_string)(component, references.as_ptr(), count, texts.as_ptr()) }
         });
         self.rest.strings = strings;
         result
     }
 
-    /// Reads String variables; what is no UTF-8 is replaced, NULL counts as empty.
+    /// Reads String variables. Bytes that are not UTF-8 are replaced; NULL becomes the empty string.
     ///
     /// # Errors
-    /// The unit refuses.
+    /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     pub fn get_string(&mut self, now: &Now<'_>, references: &[u32], values: &mut [String]) -> Result<(), Failure> {
         let mut strings = std::mem::take(&mut self.rest.strings);
         let texts = strings.of_unit(values.len());
@@ -200,27 +202,29 @@ impl Instance {
             unsafe { (functions.get_string)(component, references.as_ptr(), count, texts.as_mut_ptr()) }
         });
         if result.is_ok() {
-            // SAFETY: the unit's texts live until its next call, and end in a zero byte.
+            // SAFETY: by the standard the strings are valid until the next call of the unit, and end in a zero byte.
             unsafe { strings.copy_to(values) };
         }
         self.rest.strings = strings;
         result
     }
 
-    /// Takes one step from `now` on.
+    /// Does one step that begins at `now`.
     ///
     /// # Errors
-    /// The unit does not come to the end of the step and does not say that it is done for good either.
+    /// The unit neither reaches the end of the step nor asks for the run to end.
     #[inline]
     pub fn do_step(&mut self, now: &Now<'_>, step_s: f64) -> Result<StepResult, Failure> {
         let do_step = self.do_step;
         let status = self.raw(now, Call::DoStep, |_, component| {
-            // SAFETY: plain numbers; the last says that no state before this point will be restored.
+            // SAFETY: the arguments are plain numbers. The last promises that no state before this time will be
+            // restored.
             unsafe { do_step(component, now.time_s, step_s, TRUE) }
         });
         if status == Status::Ok as RawStatus { Ok(StepResult::Done) } else { self.after_step(now, step_s, status) }
     }
 
+    /// The result of a step that did not return `fmi2OK`.
     #[cold]
     fn after_step(&mut self, now: &Now<'_>, step_s: f64, status: RawStatus) -> Result<StepResult, Failure> {
         match Status::from_raw(status) {
@@ -229,24 +233,24 @@ impl Instance {
                 let text = "fmi2DoStep returned fmi2Pending, but nobody asked for an asynchronous step";
                 Err(self.failure(now, Call::DoStep, Cause::Other(text.to_owned())))
             }
-            _ => self.judge(now, Call::DoStep, status).map(|()| StepResult::Done),
+            _ => self.check_status(now, Call::DoStep, status).map(|()| StepResult::Done),
         }
     }
 
-    /// A discarded step: asks whether the unit is done for good, and how far it came.
+    /// A discarded step: asks whether the unit wants the run to end, and which time it reached.
     fn discarded(&mut self, now: &Now<'_>, step_s: f64) -> Result<StepResult, Failure> {
         let mut terminated = FALSE;
         let mut reached_s = f64::NAN;
-        if let Some(ask) = self.rest.functions.get_boolean_status {
+        if let Some(get_status) = self.rest.functions.get_boolean_status {
             self.raw(now, Call::GetBooleanStatus, |_, component| {
-                // SAFETY: the pointer is to a value of the right type.
-                unsafe { ask(component, TERMINATED, &raw mut terminated) }
+                // SAFETY: the pointer is valid and has the type that belongs to this status kind.
+                unsafe { get_status(component, TERMINATED, &raw mut terminated) }
             });
         }
-        if let Some(ask) = self.rest.functions.get_real_status {
+        if let Some(get_status) = self.rest.functions.get_real_status {
             self.raw(now, Call::GetRealStatus, |_, component| {
-                // SAFETY: the pointer is to a value of the right type.
-                unsafe { ask(component, LAST_SUCCESSFUL_TIME, &raw mut reached_s) }
+                // SAFETY: the pointer is valid and has the type that belongs to this status kind.
+                unsafe { get_status(component, LAST_SUCCESSFUL_TIME, &raw mut reached_s) }
             });
         }
         if terminated != FALSE {
@@ -260,7 +264,7 @@ impl Instance {
         Err(self.failure(now, Call::DoStep, Cause::Other(text)))
     }
 
-    /// A call that gets or sets as many values as there are references; none if there are none.
+    /// A call that gets or sets one value for each reference. Without references no call is made.
     #[inline]
     fn values(
         &mut self,
@@ -277,7 +281,7 @@ impl Instance {
         self.checked(now, call, |functions, component| foreign(functions, component, references))
     }
 
-    /// A call whose answer counts.
+    /// A call whose status is checked.
     #[inline]
     fn checked(
         &mut self,
@@ -286,37 +290,40 @@ impl Instance {
         foreign: impl FnOnce(&Functions, Component) -> RawStatus,
     ) -> Result<(), Failure> {
         let status = self.raw(now, call, foreign);
-        if status == Status::Ok as RawStatus { Ok(()) } else { self.judge(now, call, status) }
+        if status == Status::Ok as RawStatus { Ok(()) } else { self.check_status(now, call, status) }
     }
 
-    /// A call that is noted.
+    /// A call that is noted on the board, with its status unchecked.
     #[inline]
     fn raw(&self, now: &Now<'_>, call: Call, foreign: impl FnOnce(&Functions, Component) -> RawStatus) -> RawStatus {
         now.enter(self.index, Doing::Call(call));
         foreign(&self.rest.functions, self.component)
     }
 
+    /// Checks a status other than `fmi2OK`.
     #[cold]
-    fn judge(&mut self, now: &Now<'_>, call: Call, status: RawStatus) -> Result<(), Failure> {
+    fn check_status(&mut self, now: &Now<'_>, call: Call, status: RawStatus) -> Result<(), Failure> {
         match Status::from_raw(status) {
             Some(Status::Ok) => return Ok(()),
             Some(Status::Warning) => {
                 self.warn(now, call);
                 return Ok(());
             }
+            // Release: a thread that sees the flag also sees all that this call did.
             Some(Status::Fatal) => self.rest.library.fatal.store(true, Ordering::Release),
             _ => {}
         }
         Err(self.failure(now, call, Cause::Status(status)))
     }
 
-    /// Says once that a call returned a warning: the unit's own messages say why, if it has any.
+    /// Logs that a call returned a warning, once for each instance: the reason is in the unit's own log messages, if
+    /// any.
     fn warn(&mut self, now: &Now<'_>, call: Call) {
-        if !std::mem::replace(&mut self.rest.log.warned, true) {
+        if !std::mem::replace(&mut self.rest.status_log.warned, true) {
             let text = format!("{} returned fmi2Warning (told once; the run goes on)", call.name());
             let (status, category) = (Status::Warning as RawStatus, "logStatusWarning".to_owned());
             let (instance, tick, counts_at) = (Some(self.index), now.tick, now.counts_at);
-            (self.rest.log.sink)(LogMessage { instance, tick, counts_at, status, category, text });
+            (self.rest.status_log.sink)(LogMessage { instance, tick, counts_at, status, category, text });
         }
     }
 

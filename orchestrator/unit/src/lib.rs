@@ -1,7 +1,7 @@
-//! The importer: archives, libraries and instances of foreign units, and the board that outlives their process.
+//! The importer: archives, libraries and instances of units, and the board that outlives their process.
 //!
-//! All unsafe code of the importing side stands here. A number comes out of the step loop, crosses a function pointer in
-//! [`instance`], and arrives in `fmus/<unit>/src/lib.rs` or in a unit of another origin.
+//! All unsafe code of the importing side is in this crate. A value leaves the step loop, passes through a function
+//! pointer in [`instance`], and arrives in `fmus/<unit>/src/lib.rs` or in a unit of another vendor.
 #![allow(unsafe_code, reason = "libraries are foreign code, and the board is memory that another process maps")]
 
 pub mod archive;

@@ -1,4 +1,4 @@
-//! A unit's dynamic library, loaded once for all of its instances.
+//! A unit's shared library, loaded once for all of its instances.
 
 mod functions;
 mod process_state;
@@ -23,30 +23,31 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Once};
 
-/// A loaded unit. It stays loaded until the process ends: units leave threads and exit handlers behind, which must not
-/// find their code gone.
+/// A loaded unit. It stays loaded until the process ends: a unit may leave threads and exit handlers behind, and they
+/// would crash if their code were unmapped.
 #[derive(Debug)]
 pub struct Library {
     pub(super) functions: Functions,
-    /// Those that save and restore states, or the first that the library lacks.
+    /// The functions that save and restore states, or the first one that the library lacks.
     pub(super) states: Result<StateFunctions, Call>,
     pub(super) guid: CString,
-    /// `file:///…/resources`
+    /// `fmuResourceLocation`: `file:///…/resources`.
     pub(super) resources: CString,
+    /// `canBeInstantiatedOnlyOncePerProcess`
     pub(super) only_once: bool,
     pub(super) names: Arc<VariableNames>,
-    /// How many instances there are.
+    /// The number of live instances.
     pub(super) instances: AtomicUsize,
     /// Set by `fmi2Fatal`: no function may be called any more.
     pub(super) fatal: AtomicBool,
 }
 
 impl Library {
-    /// Loads the library of an unpacked unit and asks it for its version. Meanwhile the note says that `instance`, the
-    /// first that needs it, is being loaded.
+    /// Loads the library of an unpacked unit and checks its version. Meanwhile the note names `instance`, the first
+    /// instance of this unit, so that a crash in a constructor of the library is attributed to it.
     ///
     /// # Errors
-    /// Whatever keeps this system from using the unit.
+    /// The unit cannot be used on this system.
     pub fn load(
         folder: &Path,
         description: &ModelDescription,
@@ -59,26 +60,28 @@ impl Library {
             error,
         })?;
         let path = folder.join(library_among(present_libraries(&folder), description)?);
-        offer_libm();
+        load_libm_globally();
         let now = note.at(0, 0.0);
         now.enter(instance, Doing::Load);
         let opened = preserved(|| {
-            // SAFETY: the library's constructors are foreign code; that it may do anything is why this process has a
-            // parent that watches over it.
+            // RTLD_NOW: a missing symbol is an error here, not a crash at its first use in the middle of a run.
+            // RTLD_LOCAL: all units export the same symbols, and none may bind to those of another.
+            // SAFETY: the library's constructors are foreign code, which no check of ours makes sound. `lockstep run`
+            // therefore runs units in a process that another one watches.
             unsafe { loader::Library::open(Some(&path), loader::RTLD_NOW | loader::RTLD_LOCAL) }
         });
         drop(now);
         let opened = opened.map_err(|error| refusal(&path, &error))?;
         let functions = Functions::of(&opened, &path)?;
         let states = StateFunctions::of(&opened);
-        // Never closed, see the type's comment.
+        // Never closed: see the comment of `Library`.
         std::mem::forget(opened);
-        check_answers(&functions, &path, note, instance)?;
+        check_version(&functions, &path, note, instance)?;
         Ok(Self {
             functions,
             states,
-            guid: text(&description.guid),
-            resources: text(&file_uri(&folder.join("resources"))),
+            guid: c_string(&description.guid),
+            resources: c_string(&file_uri(&folder.join("resources"))),
             only_once: description
                 .co_simulation
                 .as_ref()
@@ -89,29 +92,30 @@ impl Library {
         })
     }
 
-    /// The functions, for whoever measures what the calls alone cost.
+    /// The functions, for benchmarks that measure the cost of the bare calls.
     #[must_use]
     pub fn functions(&self) -> &Functions {
         &self.functions
     }
 
-    /// Whether an instance returned `fmi2Fatal`, after which no function may be called any more.
+    /// Whether an instance returned `fmi2Fatal`. The standard forbids any call after that, of other instances too.
     #[must_use]
     pub fn is_dead(&self) -> bool {
+        // Pairs with the release store where the status is checked, possibly on another thread.
         self.fatal.load(Ordering::Acquire)
     }
 }
 
-/// XML cannot hold a zero character, and a path cannot either; if one came from elsewhere the text ends there.
-fn text(text: &str) -> CString {
-    let until = text.find('\0').unwrap_or(text.len());
-    CString::new(&text[..until]).unwrap_or_default()
+/// The text as C has it, up to its first zero character: neither XML nor a path can contain one.
+fn c_string(text: &str) -> CString {
+    let end = text.find('\0').unwrap_or(text.len());
+    CString::new(&text[..end]).unwrap_or_default()
 }
 
-/// The library for this platform among the files below `binaries/`.
+/// The library for this platform, from the files below `binaries/`.
 ///
 /// # Errors
-/// The unit is not made for co-simulation, or brings no such library.
+/// The unit does not support co-simulation, or has no such library.
 pub(super) fn library_among(present: Vec<String>, description: &ModelDescription) -> Result<String, UnitError> {
     let co_simulation = description.co_simulation.as_ref().ok_or(UnitError::NoCoSimulation)?;
     let file = format!("{}{}", co_simulation.model_identifier, std::env::consts::DLL_SUFFIX);
@@ -121,7 +125,7 @@ pub(super) fn library_among(present: Vec<String>, description: &ModelDescription
         .ok_or_else(|| UnitError::NoBinary { wanted: format!("binaries/{}/{file}", FOLDERS[0]), present })
 }
 
-/// `linux64/other.so` and so on, sorted.
+/// The files below `binaries/`, such as `binaries/linux64/other.so`, sorted; of an empty folder its own path.
 fn present_libraries(folder: &Path) -> Vec<String> {
     let names = |folder: &Path| -> Vec<String> {
         let entries = fs::read_dir(folder).into_iter().flatten().flatten();
@@ -140,44 +144,45 @@ fn present_libraries(folder: &Path) -> Vec<String> {
     present
 }
 
-/// Many units use `sin` or `fmin` without linking the library that has them.
-fn offer_libm() {
-    static OFFERED: Once = Once::new();
-    OFFERED.call_once(|| {
-        // SAFETY: the C library's own mathematics has no constructor that disturbs anything.
+/// Loads `libm` with its symbols visible to all libraries: many units use `sin` or `fmin` without linking to `libm`,
+/// because the program that their vendor tested them with had loaded it.
+fn load_libm_globally() {
+    static LOADED: Once = Once::new();
+    LOADED.call_once(|| {
+        // SAFETY: `libm` is part of the C library and has no constructors with side effects.
         let libm = unsafe { loader::Library::open(Some("libm.so.6"), loader::RTLD_NOW | loader::RTLD_GLOBAL) };
-        // Where it has another name the unit says which symbol it misses.
+        // If it has another name here, loading the unit reports the missing symbol.
         libm.map(std::mem::forget).ok();
     });
 }
 
 fn refusal(path: &Path, error: &libloading::Error) -> UnitError {
-    let said = match error {
+    let message = match error {
         libloading::Error::DlOpen { source } => source.to_string(),
         other => other.to_string(),
     };
-    UnitError::Loader { library: path.to_path_buf(), refusal: Refusal::of(path, &said) }
+    UnitError::Loader { library: path.to_path_buf(), refusal: Refusal::of(path, &message) }
 }
 
-fn check_answers(functions: &Functions, path: &Path, note: &Note, instance: usize) -> Result<(), UnitError> {
+fn check_version(functions: &Functions, path: &Path, note: &Note, instance: usize) -> Result<(), UnitError> {
     for (call, function, expected) in [
         (Call::GetVersion, functions.get_version, "2.0"),
         (Call::GetTypesPlatform, functions.get_types_platform, "default"),
     ] {
         let now = note.at(0, 0.0);
         now.enter(instance, Doing::Call(call));
-        // SAFETY: the function may be called at any time, and answers a constant of the library.
-        let answer = unsafe { read_text(function()) };
+        // SAFETY: the standard allows this call at any time; the function returns a constant of the library.
+        let found = unsafe { read_text(function()) };
         drop(now);
-        if answer != expected {
+        if found != expected {
             let (library, function) = (path.to_path_buf(), call.name());
-            return Err(UnitError::Version { library, function, expected, found: answer });
+            return Err(UnitError::Version { library, function, expected, found });
         }
     }
     Ok(())
 }
 
-/// A copy of a text that a unit answered.
+/// A copy of a string that a unit returned.
 ///
 /// # Safety
 /// `text` is NULL or ends in a zero byte.
@@ -185,7 +190,7 @@ unsafe fn read_text(text: Str) -> String {
     if text.is_null() {
         return "NULL".to_owned();
     }
-    // SAFETY: the caller says so.
+    // SAFETY: guaranteed by the caller.
     unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }
 
@@ -204,6 +209,6 @@ fn file_uri(path: &Path) -> String {
 }
 
 #[test]
-fn a_resource_uri_has_three_slashes_and_no_foreign_characters() {
+fn a_resource_uri_has_three_slashes_and_escapes_special_characters() {
     assert_eq!(file_uri(Path::new("/tmp/my units/50%/ü.d")), "file:///tmp/my%20units/50%25/%C3%BC.d");
 }

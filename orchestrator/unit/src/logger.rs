@@ -1,8 +1,8 @@
-//! The logger callback: what a unit says, with its printf arguments in place, brought to a sink.
+//! The logger callback: passes a unit's log messages, with their printf arguments inserted, to a sink.
 //!
-//! A unit may call it at any time and from any thread, with NULL where a text belongs, a status that the standard does
-//! not know, an environment that is not the one it was given, and a format that nobody should obey. All of that becomes
-//! a message; nothing that happens here reaches the unit.
+//! A unit may call it at any time and from any thread: with NULL instead of a string, with a status that the standard
+//! does not define, with an environment other than the one it was given, and with a format that would write to memory.
+//! Each such call becomes a message, and no error or panic of ours reaches the unit.
 
 mod environment;
 mod format;
@@ -22,14 +22,15 @@ use std::ffi::CStr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-/// A log message of a unit, with its printf arguments in place.
+/// A log message of a unit, with its printf arguments inserted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LogMessage {
-    /// Index of the instance; `None` before one exists.
+    /// Index of the instance; `None` if it could not be identified.
     pub instance: Option<usize>,
     /// The tick of the call in which the unit logged it.
     pub tick: u64,
-    /// The tick at which that call's result counts: the message is shown then, wherever the instance is.
+    /// The tick at which that call's result takes effect. Messages are shown in the order of this tick, which is the
+    /// same in one process and in many.
     pub counts_at: u64,
     /// The status as the unit gave it.
     pub status: RawStatus,
@@ -39,15 +40,15 @@ pub struct LogMessage {
     pub text: String,
 }
 
-/// Where messages of units go; called by any thread.
+/// Receives log messages of units; any thread may call it.
 pub type LogSink = Arc<dyn Fn(LogMessage) + Send + Sync>;
 
-/// What is longer than this is cut.
+/// The largest number of bytes of a text or a category; the rest is cut off.
 const LONGEST_TEXT: usize = 64 << 10;
-/// What stands where it was cut.
+/// The mark at the end of a text that was cut.
 const CUT: &str = " … (cut here)";
 
-/// Delivers one message. `text` gives the formatted bytes.
+/// Passes one message to the sink of its instance. `text` returns the formatted bytes.
 ///
 /// # Safety
 /// `name` and `category` are NULL or end in a zero byte.
@@ -58,9 +59,10 @@ unsafe fn deliver(
     category: Str,
     text: impl FnOnce() -> Vec<u8>,
 ) {
-    // What is caught was told by the panic hook already, and a unit cannot do anything about it.
+    // A panic must not unwind through the unit's frames, which is undefined in C. The panic hook has reported it
+    // already.
     let _ = catch_unwind(AssertUnwindSafe(|| {
-        // SAFETY: the caller says so.
+        // SAFETY: guaranteed by the caller.
         let (name, mut category) = unsafe { (lossy(name), lossy(category)) };
         let Some((environment, exact)) = Environment::find(environment, &name) else { return };
         let mut text = environment.names.expand(String::from_utf8_lossy(&text()).trim_end());
@@ -78,7 +80,7 @@ unsafe fn lossy(text: Str) -> String {
     if text.is_null() {
         return String::new();
     }
-    // SAFETY: the caller says so.
+    // SAFETY: guaranteed by the caller.
     unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }
 

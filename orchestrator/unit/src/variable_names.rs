@@ -1,4 +1,4 @@
-//! Names of variables by value reference, for messages: a unit may write `#r12#` for its Real variable 12.
+//! Names of variables by value reference, for log messages: a unit may write `#r12#` for its Real variable 12.
 
 use fmi2::description::{BaseType, ModelDescription};
 
@@ -9,7 +9,7 @@ pub struct VariableNames {
 }
 
 impl VariableNames {
-    /// Collects the names. Where several variables share a reference the first in the file gives the name.
+    /// Collects the names. If several variables share a reference, the first in the file is used.
     #[must_use]
     pub fn of(description: &ModelDescription) -> Self {
         let variables = description.variables.iter();
@@ -27,7 +27,8 @@ impl VariableNames {
         Some(&self.sorted[at].2)
     }
 
-    /// Puts names in the place of `#r12#`, `#i3#`, `#b0#`, `#s7#`, and one `#` in the place of two. Anything else stays.
+    /// Replaces `#r12#`, `#i3#`, `#b0#` and `#s7#` by names, and `##` by `#`, as the standard defines. Anything else
+    /// stays.
     #[must_use]
     pub fn expand(&self, text: &str) -> String {
         let mut expanded = String::with_capacity(text.len());
@@ -48,7 +49,7 @@ impl VariableNames {
         expanded + rest
     }
 
-    /// The name for `r12#…`, and what follows.
+    /// The name for `r12#…`, and the text after it.
     fn reference<'a>(&self, text: &'a str) -> Option<(&str, &'a str)> {
         let (reference, after) = text.split_once('#')?;
         let base_type = match reference.chars().next()? {

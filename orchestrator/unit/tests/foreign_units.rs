@@ -1,4 +1,4 @@
-//! A unit in C that nobody here linked: loaded, heard, stepped, and believed only as far as it goes.
+//! Loading, logging, stepping and misbehaviour of a unit in C that does not use the export layer.
 #![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
 
 use fmi2::calls::Call;
@@ -17,12 +17,12 @@ const U: u32 = 0;
 const GAIN: u32 = 1;
 const Y: u32 = 2;
 
-/// A unit on its way into this process.
+/// An unpacked unit and what the tests need to load it.
 struct Bench {
     _folder: TempDir,
     unpacked: Unpacked,
     note: Note,
-    heard: Arc<Mutex<Vec<LogMessage>>>,
+    messages: Arc<Mutex<Vec<LogMessage>>>,
 }
 
 impl Bench {
@@ -30,7 +30,7 @@ impl Bench {
         let (folder, fmu) = foreign.build();
         let unpacked = unpack(&fmu, &folder.path().join("unpacked")).unwrap();
         let note = Board::private(&BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap().note(0);
-        Self { _folder: folder, unpacked, note, heard: Arc::default() }
+        Self { _folder: folder, unpacked, note, messages: Arc::default() }
     }
 
     fn misbehaving(call: &str, how: &str) -> Self {
@@ -46,8 +46,8 @@ impl Bench {
     }
 
     fn instantiate(&self, library: &Arc<Library>) -> Result<Instance, Failure> {
-        let heard = Arc::clone(&self.heard);
-        let sink = Arc::new(move |message| heard.lock().unwrap().push(message));
+        let messages = Arc::clone(&self.messages);
+        let sink = Arc::new(move |message| messages.lock().unwrap().push(message));
         Instance::instantiate(
             library,
             Setting { name: "tank", index: 3, note: self.note.clone(), sink, logging_on: true, calls: None },
@@ -68,12 +68,12 @@ impl Bench {
     }
 
     fn texts(&self) -> Vec<String> {
-        self.heard.lock().unwrap().iter().map(|message| message.text.clone()).collect()
+        self.messages.lock().unwrap().iter().map(|message| message.text.clone()).collect()
     }
 }
 
 #[test]
-fn a_unit_in_c_runs_and_its_words_arrive_with_their_printf_arguments() {
+fn a_unit_in_c_runs_and_its_log_messages_arrive_with_their_printf_arguments() {
     let bench = Bench::new(&Foreign::default());
     let mut tank = bench.start().unwrap();
     tank.set_real(&bench.at(0), &[U, GAIN], &[3.0, 4.0]).unwrap();
@@ -96,10 +96,10 @@ fn a_unit_in_c_runs_and_its_words_arrive_with_their_printf_arguments() {
         "done after 2 steps: 1 2 3 4 5 6 7 8 9 | grüß Gott",
     ];
     assert_eq!(bench.texts(), texts);
-    let heard = bench.heard.lock().unwrap();
-    let places: Vec<_> = heard.iter().map(|message| (message.instance, message.tick, message.status)).collect();
+    let messages = bench.messages.lock().unwrap();
+    let places: Vec<_> = messages.iter().map(|message| (message.instance, message.tick, message.status)).collect();
     assert_eq!(places, [(Some(3), 0, 0), (Some(3), 0, 0), (Some(3), 1, 0), (Some(3), 2, 0)]);
-    assert!(heard.iter().all(|message| message.category == "logAll"));
+    assert!(messages.iter().all(|message| message.category == "logAll"));
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn several_instances_of_one_library_do_not_disturb_each_other() {
 }
 
 #[test]
-fn a_note_names_the_call_even_of_what_a_unit_says_in_it() {
+fn a_note_names_the_call_while_a_unit_logs_in_it() {
     let bench = Bench::new(&Foreign::default());
     let library = bench.load().unwrap();
     let (note, calls) = (bench.note.clone(), Arc::new(Mutex::new(Vec::new())));
@@ -172,7 +172,7 @@ fn every_call_before_the_first_step_may_fail() {
 
 #[test]
 fn after_fatal_nothing_of_the_library_is_called() {
-    // Freeing it would end this process.
+    // A call of `fmi2FreeInstance` would end this process.
     let bench = Bench::new(&Foreign { defines: &["MISBEHAVE_CALL=STEP", "MISBEHAVE_HOW=FATAL"], ..Foreign::default() });
     let library = bench.load().unwrap();
     let (mut one, mut other) = (bench.instantiate(&library).unwrap(), bench.instantiate(&library).unwrap());
@@ -186,36 +186,36 @@ fn after_fatal_nothing_of_the_library_is_called() {
 }
 
 #[test]
-fn a_warning_is_told_once_and_the_run_goes_on() {
+fn a_warning_is_logged_once_and_the_run_continues() {
     let bench = Bench::misbehaving("SET", "WARNING");
     let mut tank = bench.start().unwrap();
     for tick in 0..3 {
         tank.set_real(&bench.at(tick), &[U], &[1.0]).unwrap();
     }
-    let told = |text: &String| text.starts_with("fmi2SetReal returned fmi2Warning");
-    assert_eq!(bench.texts().iter().filter(|text| told(text)).count(), 1);
+    let is_warning = |text: &String| text.starts_with("fmi2SetReal returned fmi2Warning");
+    assert_eq!(bench.texts().iter().filter(|text| is_warning(text)).count(), 1);
 }
 
 #[test]
-fn a_discarded_step_is_a_clean_end_if_the_unit_says_so_and_a_failure_otherwise() {
+fn a_discarded_step_ends_the_run_normally_if_the_unit_terminated_and_is_a_failure_otherwise() {
     let step = |bench: &Bench| bench.start().unwrap().do_step(&bench.at(4), STEP_S);
     let cause = |bench: &Bench| step(bench).unwrap_err().cause;
-    let done = step(&Bench::misbehaving("STEP", "TERMINATED"));
-    assert_eq!(done, Ok(StepResult::Terminated { last_successful_time_s: 2.25 }));
+    let terminated = step(&Bench::misbehaving("STEP", "TERMINATED"));
+    assert_eq!(terminated, Ok(StepResult::Terminated { last_successful_time_s: 2.25 }));
     let text = "fmi2DoStep returned fmi2Discard: the unit did not take the step of 0.5 s and came as far as 2.25 s";
     assert_eq!(cause(&Bench::misbehaving("STEP", "DISCARD")), Cause::Other(text.to_owned()));
-    let mute = Bench::new(&Foreign {
+    let without_status = Bench::new(&Foreign {
         defines: &["MISBEHAVE_CALL=STEP", "MISBEHAVE_HOW=TERMINATED", "WITHOUT_STATUS"],
         ..Foreign::default()
     });
     let text = "fmi2DoStep returned fmi2Discard: the unit did not take the step of 0.5 s";
-    assert_eq!(cause(&mute), Cause::Other(text.to_owned()));
+    assert_eq!(cause(&without_status), Cause::Other(text.to_owned()));
     let cause = cause(&Bench::misbehaving("STEP", "PENDING"));
     assert!(matches!(cause, Cause::Other(text) if text.contains("fmi2Pending")));
 }
 
 #[test]
-fn what_is_no_number_is_handed_on_for_the_run_to_judge() {
+fn a_nan_is_returned_to_the_caller_without_an_error() {
     let bench = Bench::misbehaving("STEP", "NOT_A_NUMBER");
     let mut tank = bench.start().unwrap();
     tank.do_step(&bench.at(0), STEP_S).unwrap();
@@ -225,17 +225,20 @@ fn what_is_no_number_is_handed_on_for_the_run_to_judge() {
 }
 
 #[test]
-fn a_wrong_guid_makes_no_instance_and_the_unit_says_why() {
+fn a_wrong_guid_prevents_instantiation_and_the_unit_logs_the_reason() {
     let bench = Bench::new(&Foreign { description: &[("guid=\"{5f1ed1f0", "guid=\"{0000")], ..Foreign::default() });
     let failure = bench.instantiate(&bench.load().unwrap()).unwrap_err();
     assert_eq!(failure.cause, Cause::NoInstance);
-    let heard = bench.heard.lock().unwrap();
-    assert_eq!((heard[0].instance, heard[0].status, heard[0].category.as_str()), (Some(3), 3, "logStatusError"));
-    assert!(heard[0].text.starts_with("the guid is {0000-c0de"), "{}", heard[0].text);
+    let messages = bench.messages.lock().unwrap();
+    assert_eq!(
+        (messages[0].instance, messages[0].status, messages[0].category.as_str()),
+        (Some(3), 3, "logStatusError")
+    );
+    assert!(messages[0].text.starts_with("the guid is {0000-c0de"), "{}", messages[0].text);
 }
 
 #[test]
-fn a_unit_for_one_instance_gets_one() {
+fn a_unit_that_allows_one_instance_gets_one_at_a_time() {
     let bench = Bench::new(&Foreign {
         description: &[(
             "canHandleVariableCommunicationStepSize",
@@ -252,7 +255,7 @@ fn a_unit_for_one_instance_gets_one() {
 }
 
 #[test]
-fn what_keeps_a_library_from_being_used_is_said() {
+fn the_reason_why_a_library_cannot_be_used_is_reported() {
     let without = |defines| Bench::new(&Foreign { defines, ..Foreign::default() }).load().unwrap_err();
     let library = "…/binaries/linux64/foreign.so";
     assert_eq!(without(&["WITHOUT_SET_STRING"]), format!("{library} lacks the function `fmi2SetString` of FMI 2.0"));
@@ -268,9 +271,9 @@ fn what_keeps_a_library_from_being_used_is_said() {
         without(&["TYPES_PLATFORM=NULL"]),
         format!("{library}: fmi2GetTypesPlatform should answer `default`, but answers `NULL`")
     );
-    let elsewhere = Bench::new(&Foreign { platform: "win64", ..Foreign::default() }).load().unwrap_err();
+    let other_platform = Bench::new(&Foreign { platform: "win64", ..Foreign::default() }).load().unwrap_err();
     assert_eq!(
-        elsewhere,
+        other_platform,
         "the unit has no library for this platform: `binaries/linux64/foreign.so` is not there, only \
          `binaries/win64/foreign.so`"
     );

@@ -1,5 +1,6 @@
-//! A unit that changes its process while it is instantiated. It has this test's process for itself: the working
-//! directory belongs to all threads.
+//! A unit that changes the state of its process while it is instantiated.
+//!
+//! This test has a process of its own, because the working directory is shared by all threads.
 #![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
 
 use std::env::current_dir;
@@ -12,7 +13,7 @@ use unit::instance::{Instance, Setting};
 use unit::library::Library;
 
 #[test]
-fn an_instantiate_that_changes_rounding_and_folder_is_undone() {
+fn a_rounding_mode_and_a_folder_changed_by_instantiate_are_restored() {
     let before = current_dir().unwrap();
     assert_ne!(before.as_os_str(), "/");
     let (folder, fmu) = Foreign { defines: &["DISTURB"], ..Foreign::default() }.build();
@@ -22,6 +23,6 @@ fn an_instantiate_that_changes_rounding_and_folder_is_undone() {
     let setting = Setting { name: "unit", index: 0, note, sink: Arc::new(|_| ()), logging_on: false, calls: None };
     let _instance = Instance::instantiate(&library, setting).unwrap();
     assert_eq!(current_dir().unwrap(), before);
-    // Rounded downward it would be further from zero.
+    // In the rounding mode that the unit sets, downward, the result would be further from zero.
     assert_eq!(black_box(1.0_f64) / black_box(-3.0), -0.333_333_333_333_333_3);
 }

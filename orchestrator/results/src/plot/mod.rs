@@ -1,4 +1,4 @@
-//! Pictures of a run: paths in space and signals over time, as one SVG.
+//! Plots of a run: paths in space and signals over time, as one SVG.
 
 mod paths;
 mod scale;
@@ -25,7 +25,7 @@ pub struct Selection {
     pub mark: Option<String>,
 }
 
-/// Why there is no picture.
+/// Why a trace cannot be drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PlotError {
     /// No column or group has this name.
@@ -48,7 +48,7 @@ impl std::error::Error for PlotError {}
 /// Draws a trace.
 ///
 /// # Errors
-/// If a name of the selection was not recorded, or nothing was.
+/// A name of the selection was not recorded, or the trace is empty.
 pub fn draw(title: &str, table: &Table, notes: &[ColumnNote], selection: &Selection) -> Result<String, PlotError> {
     let trace = Trace { table, notes };
     if table.rows.is_empty() || table.names.len() < 2 {
@@ -86,7 +86,7 @@ impl Trace<'_> {
         Some(self.table.numbers(self.table.names.iter().position(|other| other == name)?))
     }
 
-    /// Columns that a name means: itself, or all below it as a group or array.
+    /// The columns that a name selects: the column itself, or all columns of a group or array.
     fn members(&self, name: &str) -> Vec<&str> {
         let below =
             |other: &str| other.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
@@ -104,7 +104,7 @@ impl Trace<'_> {
 
     fn panel(&self, names: &[&str]) -> Panel {
         let unit = names.first().map(|name| self.unit(name)).unwrap_or_default();
-        let (shown_unit, factor) = for_people(unit);
+        let (shown_unit, factor) = display_unit(unit);
         let curve = |name: &&str| Curve {
             name: (*name).to_owned(),
             values: self.column(name).unwrap_or_default().into_iter().map(|value| value * factor).collect(),
@@ -133,7 +133,7 @@ impl Trace<'_> {
         let groups =
             self.table.names.iter().filter_map(|name| name.strip_suffix(".x")).filter(|g| g.ends_with("position"));
         let mut paths: Vec<_> = groups.filter_map(|group| self.path(group)).collect();
-        // What moves is shown before what it should do.
+        // Actual positions come before setpoints.
         paths.sort_by_key(|path| path.name.contains("setpoint"));
         let mut panels: Vec<Vec<&str>> = Vec::new();
         for name in self.table.names.iter().map(String::as_str).skip(1) {
@@ -160,7 +160,7 @@ impl Trace<'_> {
         indices.extend((1..values.len()).filter(|&index| values[index].to_bits() != values[index - 1].to_bits()));
         indices.push(values.len() - 1);
         let letters = ('A'..='Z').map(String::from);
-        Ok(indices.into_iter().zip(letters).map(|(index, word)| Mark { index, word }).collect())
+        Ok(indices.into_iter().zip(letters).map(|(index, text)| Mark { index, text }).collect())
     }
 }
 
@@ -171,7 +171,7 @@ fn group_of(name: &str) -> &str {
 }
 
 /// Angles are drawn in degrees.
-fn for_people(unit: &str) -> (&str, f64) {
+fn display_unit(unit: &str) -> (&str, f64) {
     let degrees = 180.0 / std::f64::consts::PI;
     match unit {
         "rad" => ("deg", degrees),

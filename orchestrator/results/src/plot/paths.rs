@@ -13,11 +13,11 @@ pub(super) struct Path {
     pub points_m: Vec<[f64; 3]>,
 }
 
-/// A point on a path that carries a word.
+/// A point on a path with a text beside it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Mark {
     pub index: usize,
-    pub word: String,
+    pub text: String,
 }
 
 /// An oblique parallel view: x to the lower right, y to the upper right, z up.
@@ -70,7 +70,7 @@ impl View {
     }
 }
 
-/// Draws all paths; the first is the one that the eye should follow, the others are dashed.
+/// Draws all paths; the first is drawn solid as the main one, the others are dashed.
 pub(super) fn draw(picture: &mut Picture, paths: &[Path], marks: &[Mark], top: f64, width: f64) {
     let view = View::fit(paths, 70.0, top + 50.0, width - 140.0, HEIGHT - 110.0);
     floor(picture, &view);
@@ -86,7 +86,7 @@ pub(super) fn draw(picture: &mut Picture, paths: &[Path], marks: &[Mark], top: f
             let Some(&point) = first.points_m.get(mark.index) else { continue };
             let (x, y) = view.page(point);
             picture.dot((x, y), 4.0, stroke.colour);
-            picture.text((x - 7.0, y - 7.0), Anchor::End, 13.0, INK, &mark.word);
+            picture.text((x - 7.0, y - 7.0), Anchor::End, 13.0, INK, &mark.text);
         }
     }
     let legend: Vec<_> = paths.iter().zip(strokes).map(|(path, stroke)| (path.name.clone(), stroke)).collect();
@@ -128,7 +128,7 @@ fn floor(picture: &mut Picture, view: &View) {
     picture.text((top_x, top_y - 10.0), Anchor::Middle, 12.0, INK, "z, m");
 }
 
-/// A faint wall from the path down to the ground, so that the eye sees where the path is.
+/// A faint surface from the path down to the ground, which shows the position above the ground.
 fn curtain(picture: &mut Picture, view: &View, path: &Path, colour: &'static str) {
     let ground = |point: &[f64; 3]| view.page([point[0], point[1], view.low[2]]);
     let steps: Vec<_> = path.points_m.iter().step_by((path.points_m.len() / 300).max(1)).collect();

@@ -2,7 +2,7 @@
 
 use crate::report::number::short;
 
-/// A range of values laid on a range of pixels.
+/// A range of values mapped to a range of pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
     pub low: f64,
@@ -12,11 +12,11 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// Covers the finite values among `values` with a little air, laid on pixels.
+    /// Covers the finite values among `values` with a margin, mapped to pixels.
     pub(super) fn around(values: impl IntoIterator<Item = f64>, first_pixel: f64, last_pixel: f64) -> Self {
         let (low, high) = extent(values);
-        let air = 0.06 * (high - low);
-        Self { low: low - air, high: high + air, first_pixel, last_pixel }
+        let margin = 0.06 * (high - low);
+        Self { low: low - margin, high: high + margin, first_pixel, last_pixel }
     }
 
     pub(super) fn pixel(&self, value: f64) -> f64 {
@@ -29,7 +29,7 @@ impl Scale {
     }
 }
 
-/// Values beyond this leave the picture: nothing could be seen beside them, and their differences may be infinite.
+/// Larger values are not drawn: no other value would be visible, and their differences may be infinite.
 const LARGEST: f64 = 1e300;
 
 /// Smallest and largest value that can be drawn, at least a little apart; 0..1 without any.
@@ -81,7 +81,7 @@ fn round_step(raw: f64) -> f64 {
         }
 }
 
-/// A tick's number as people write it.
+/// The label of a tick.
 pub(super) fn label(value: f64) -> String {
     let plain = match value.abs() {
         0.0 => "0".to_owned(),

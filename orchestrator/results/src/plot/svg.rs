@@ -1,4 +1,4 @@
-//! A scalable picture, put together element by element.
+//! An SVG picture, built element by element.
 
 use std::fmt::Write;
 
@@ -38,7 +38,7 @@ impl Stroke {
     }
 }
 
-/// Where a text is held.
+/// The point of a text that its position refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     Start,

@@ -29,7 +29,7 @@ fn trace() -> (Table, Vec<ColumnNote>) {
 }
 
 #[test]
-fn without_a_choice_paths_come_first_and_what_moves_before_what_it_should_do() {
+fn without_a_choice_paths_come_first_and_positions_before_setpoints() {
     let (table, notes) = trace();
     let (paths, panels) = Trace { table: &table, notes: &notes }.default_choice();
     let names: Vec<_> = paths.iter().map(|path| path.name.as_str()).collect();
@@ -50,8 +50,8 @@ fn angles_are_drawn_in_degrees() {
 fn a_mark_stands_at_the_start_at_each_change_and_at_the_end() {
     let (table, notes) = trace();
     let marks = Trace { table: &table, notes: &notes }.marks("path.leg").unwrap();
-    let words: Vec<_> = marks.iter().map(|mark| (mark.index, mark.word.as_str())).collect();
-    assert_eq!(words, [(0, "A"), (4, "B"), (8, "C"), (9, "D")]);
+    let texts: Vec<_> = marks.iter().map(|mark| (mark.index, mark.text.as_str())).collect();
+    assert_eq!(texts, [(0, "A"), (4, "B"), (8, "C"), (9, "D")]);
 }
 
 #[test]

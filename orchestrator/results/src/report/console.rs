@@ -1,13 +1,13 @@
-//! Standard error during a run: lines that stay, and on a terminal one line under them that changes.
+//! Standard error during a run: lines that stay, and on a terminal one progress line below them that is overwritten.
 
 use super::progress::{Progress, Tenths};
 use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
 
-/// How progress is told.
+/// How progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
-    /// One line that is written over.
+    /// One line that is overwritten.
     Live,
     /// A line for each tenth.
     Tenths,
@@ -16,7 +16,7 @@ pub enum Style {
 }
 
 impl Style {
-    /// What suits standard error; `json` for `--progress json`.
+    /// The style for standard error, which depends on whether it is a terminal; `json` for `--progress json`.
     #[must_use]
     pub fn fitting(json: bool) -> Self {
         match (json, io::stderr().is_terminal()) {
@@ -62,11 +62,11 @@ impl<W: Write> Console<W> {
     /// Prints a line that stays.
     pub fn say(&mut self, text: &str) {
         self.clear();
-        // Nobody listening is no reason to end a run.
+        // A closed standard error must not end a run.
         let _ = writeln!(self.out, "{text}");
     }
 
-    /// Tells how far the run is, if it is time to; `progress` is asked only then.
+    /// Shows the progress if a new line is due; `progress` is called only then.
     pub fn progress(&mut self, part: f64, progress: impl FnOnce() -> Progress) {
         match self.style {
             Style::Live => {
@@ -90,7 +90,7 @@ impl<W: Write> Console<W> {
         }
     }
 
-    /// Takes away the line that changes.
+    /// Erases the progress line.
     pub fn clear(&mut self) {
         if self.shown.take().is_some() {
             let _ = write!(self.out, "\r\x1b[K");
@@ -103,7 +103,7 @@ impl<W: Write> Console<W> {
 mod tests {
     use super::*;
 
-    fn told(style: Style) -> String {
+    fn output(style: Style) -> String {
         let mut bytes = Vec::new();
         let mut console = Console::new(&mut bytes, style);
         for time_s in [0.0, 1.0, 2.0] {
@@ -121,9 +121,9 @@ mod tests {
     }
 
     #[test]
-    fn a_line_that_stays_takes_the_place_of_the_one_that_changes() {
+    fn a_line_that_stays_replaces_the_progress_line() {
         assert_eq!(
-            told(Style::Live),
+            output(Style::Live),
             "\r\x1b[K\x1b[?7l0.00 s of 2 s  0x\x1b[?7h\r\x1b[K0.5 s  quad  warning  low battery\n"
         );
     }
@@ -131,14 +131,14 @@ mod tests {
     #[test]
     fn without_a_terminal_there_is_a_line_for_each_tenth_reached() {
         assert_eq!(
-            told(Style::Tenths),
+            output(Style::Tenths),
             " 50 %  1.00 s of 2 s  2x\n100 %  2.00 s of 2 s  4x\n0.5 s  quad  warning  low battery\n"
         );
     }
 
     #[test]
-    fn machines_get_one_json_object_a_line() {
-        let text = told(Style::Json);
+    fn the_json_style_prints_one_object_a_line() {
+        let text = output(Style::Json);
         assert_eq!(text.lines().filter(|line| line.starts_with('{') && line.ends_with('}')).count(), 2);
     }
 }

@@ -1,4 +1,4 @@
-//! What people read: words of units, the progress of a run, the table of claims at its end.
+//! Output for people: log messages of units, the progress of a run, the table of claims at its end.
 //!
 //! Results go to standard output, everything else to standard error. Nothing else in this library prints.
 
@@ -10,27 +10,27 @@ pub mod table;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Prints one line on standard error: what is being done now.
+/// Prints one status line on standard error.
 pub fn status(text: &str) {
-    // Nobody listening is no reason to end a run.
+    // A closed standard error must not end a run.
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
 /// Whether results did not reach standard output.
 static LOST: AtomicBool = AtomicBool::new(false);
 
-/// Prints results on standard output. Whoever reads them may stop early; any other failure is told, and remembered for
-/// the exit code.
+/// Prints results on standard output. A closed pipe is no error, because a reader such as `head` may stop early; any
+/// other failure is reported and recorded for the exit code.
 pub fn result(text: &str) {
     let mut out = io::stdout().lock();
-    let Err(refused) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) else { return };
-    if refused.kind() != io::ErrorKind::BrokenPipe {
+    let Err(write_error) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) else { return };
+    if write_error.kind() != io::ErrorKind::BrokenPipe {
         LOST.store(true, Ordering::Relaxed);
-        error(&format!("cannot write to standard output: {refused}"), None);
+        error(&format!("cannot write to standard output: {write_error}"), None);
     }
 }
 
-/// Whether results did not reach standard output, though somebody was listening.
+/// Whether a write of results to standard output failed, other than by a closed pipe.
 #[must_use]
 pub fn results_were_lost() -> bool {
     LOST.load(Ordering::Relaxed)
@@ -41,7 +41,7 @@ pub fn error(message: &impl std::fmt::Display, help: Option<&str>) {
     status(&error_text(message, help));
 }
 
-/// An error with its help as people see it.
+/// The text of an error with its help.
 #[must_use]
 pub fn error_text(message: &impl std::fmt::Display, help: Option<&str>) -> String {
     help.map_or_else(|| format!("error: {message}"), |help| format!("error: {message}\nhelp: {help}"))

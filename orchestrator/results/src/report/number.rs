@@ -17,7 +17,8 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// A number that is compared with others `nearness` away: as many decimals as either needs.
+/// A number shown beside another one that differs by `nearness`: with enough decimals for both the number and the
+/// difference.
 #[must_use]
 pub fn beside(value: f64, nearness: f64) -> String {
     if value == 0.0 || !value.is_finite() || !(-9..=5).contains(&exponent(value)) {
@@ -72,13 +73,13 @@ mod tests {
     }
 
     #[test]
-    fn durations_read_in_the_unit_one_thinks_in() {
+    fn durations_are_given_in_seconds_minutes_or_hours() {
         assert_eq!([0.0123, 6.2, 300.0, 9000.0].map(duration), ["0.0123 s", "6.2 s", "5 min", "2.5 h"]);
     }
 
     proptest::proptest! {
         #[test]
-        fn the_sign_survives_and_the_value_nearly(bits: u64) {
+        fn the_sign_is_kept_and_the_value_is_close(bits: u64) {
             let value = f64::from_bits(bits);
             if value.is_finite() && value != 0.0 {
                 let read: f64 = short(value).parse().unwrap();

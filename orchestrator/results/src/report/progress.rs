@@ -1,11 +1,11 @@
-//! How far a run is: one line that changes on a terminal, one for each tenth elsewhere, JSON for machines.
+//! The progress of a run, as a line of text for people and as JSON for programs.
 
 use super::number::{duration, short};
 use crate::shortest_decimal;
 use crate::verdict::{JudgedClaim, Verdict};
 use serde::Serialize;
 
-/// A moment of a run.
+/// The progress of a run at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Progress {
     /// Simulated seconds reached.
@@ -16,12 +16,12 @@ pub struct Progress {
     pub from_s: f64,
     /// Seconds since the run began.
     pub wall_s: f64,
-    /// The claims as they stand; those that say something already.
+    /// The claims that have a standing already.
     pub claims: Vec<JudgedClaim>,
 }
 
 impl Progress {
-    /// The part that is done, from 0 to 1.
+    /// The completed fraction, from 0 to 1.
     #[must_use]
     pub fn part(&self) -> f64 {
         if self.stop_s > 0.0 { self.time_s / self.stop_s } else { 1.0 }
@@ -36,11 +36,11 @@ impl Progress {
         (done_s > 0.0).then(|| self.wall_s * (self.stop_s - self.time_s) / done_s)
     }
 
-    /// The claim that is nearest to failing, seen from its limit; one that failed comes first.
+    /// The claim that is nearest to failing, relative to its limit; one that failed comes first.
     #[must_use]
     pub fn tightest(&self) -> Option<&JudgedClaim> {
-        let told = self.claims.iter().filter(|claim| claim.margin.is_some() || claim.verdict == Verdict::Fails);
-        told.min_by(|a, b| tightness(a).total_cmp(&tightness(b)))
+        let judged = self.claims.iter().filter(|claim| claim.margin.is_some() || claim.verdict == Verdict::Fails);
+        judged.min_by(|a, b| tightness(a).total_cmp(&tightness(b)))
     }
 
     /// The line for people.
@@ -52,12 +52,12 @@ impl Progress {
             line.push_str(&format!("  {} left", duration(left_s)));
         }
         if let Some(claim) = self.tightest() {
-            line.push_str(&format!("  {}", claim_words(claim)));
+            line.push_str(&format!("  {}", claim_text(claim)));
         }
         line
     }
 
-    /// The line for machines.
+    /// The line for programs, as JSON.
     #[must_use]
     pub fn json(&self) -> String {
         let tightest = self.tightest();
@@ -98,7 +98,7 @@ fn tightness(claim: &JudgedClaim) -> f64 {
     }
 }
 
-fn claim_words(claim: &JudgedClaim) -> String {
+fn claim_text(claim: &JudgedClaim) -> String {
     let failed = if claim.verdict == Verdict::Fails { " FAILED" } else { "" };
     let unit = claim.unit.as_ref().map_or_else(String::new, |unit| format!(" {unit}"));
     match claim.margin {
@@ -112,18 +112,18 @@ fn decimals_like(time_s: f64, stop_s: f64) -> String {
     if stop_s < 10.0 { format!("{time_s:.2}") } else { format!("{time_s:.1}") }
 }
 
-/// Decides when a line is due that is not overwritten by the next: at each tenth.
+/// Decides when a line is due that is not overwritten by the next: at each tenth of the run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tenths {
-    told: u32,
+    reported: u32,
 }
 
 impl Tenths {
-    /// The tenth that was reached since the last question, in percent; several at once count as the last.
+    /// The tenth that was reached since the last call, in percent; of several, the last.
     pub fn due(&mut self, part: f64) -> Option<u32> {
         let reached = ((part * 10.0 + 1e-9).floor() as u32).min(10);
-        (reached > self.told).then(|| {
-            self.told = reached;
+        (reached > self.reported).then(|| {
+            self.reported = reached;
             reached * 10
         })
     }
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn the_line_tells_time_speed_what_is_left_and_the_tightest_claim() {
+    fn the_line_has_time_speed_remaining_time_and_the_tightest_claim() {
         assert_eq!(progress().line(), "22.5 s of 90 s  15x  4.5 s left  tilt 3 deg");
     }
 
@@ -164,14 +164,14 @@ mod tests {
     }
 
     #[test]
-    fn machines_get_the_same_as_json() {
+    fn the_json_line_has_the_same_values() {
         insta::assert_snapshot!(progress().json());
     }
 
     #[test]
-    fn each_tenth_is_told_once() {
+    fn each_tenth_is_reported_once() {
         let mut tenths = Tenths::default();
-        let told: Vec<_> = [0.0, 0.05, 0.1, 0.15, 0.39, 1.0, 1.0].map(|part| tenths.due(part)).into();
-        assert_eq!(told, [None, None, Some(10), None, Some(30), Some(100), None]);
+        let due: Vec<_> = [0.0, 0.05, 0.1, 0.15, 0.39, 1.0, 1.0].map(|part| tenths.due(part)).into();
+        assert_eq!(due, [None, None, Some(10), None, Some(30), Some(100), None]);
     }
 }

@@ -7,7 +7,7 @@ use crate::verdict::{JudgedClaim, Verdict, VerdictFile};
 use std::fmt::Write;
 use std::path::Path;
 
-/// What the table tells besides the claims.
+/// What the table contains besides the claims.
 #[derive(Clone, Copy, Debug)]
 pub struct Heading<'a> {
     /// The script as the user named it.
@@ -31,7 +31,7 @@ pub fn report(heading: &Heading, verdict: &VerdictFile, replay: &str) -> String 
     text
 }
 
-/// The lines that lead on from a run: its folder, its picture, the comparison with another.
+/// The lines that name the next commands: the run's folder, its plot, the comparison with another run.
 #[must_use]
 pub fn next_lines(folder: &Path, recorded: bool) -> String {
     let folder = shell_word(&folder.to_string_lossy());
@@ -54,7 +54,7 @@ pub fn replay_command(script: &str, parameters: &[Parameter], units: &[String]) 
     line
 }
 
-/// A word as a shell takes it whole.
+/// A text quoted, if needed, so that a shell reads it as one word.
 fn shell_word(text: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-./+:@%,".contains(c);
     if !text.is_empty() && text.chars().all(plain) {
@@ -87,8 +87,8 @@ fn parameters_line(parameters: &[Parameter]) -> String {
     let is_seed = |parameter: &&Parameter| parameter.name == "seed";
     let seed = parameters.iter().filter(is_seed);
     let others = parameters.iter().filter(|parameter| !is_seed(parameter));
-    let told: Vec<_> = seed.chain(others).map(|parameter| format!("{} {}", parameter.name, parameter.value)).collect();
-    told.join(", ")
+    let texts: Vec<_> = seed.chain(others).map(|parameter| format!("{} {}", parameter.name, parameter.value)).collect();
+    texts.join(", ")
 }
 
 fn claim_lines(script: &str, claims: &[JudgedClaim]) -> String {
@@ -108,13 +108,13 @@ fn claim_lines(script: &str, claims: &[JudgedClaim]) -> String {
 fn cells(script: &str, claim: &JudgedClaim) -> [String; 4] {
     let (verdict, detail) = match claim.verdict {
         Verdict::Holds => ("ok", claim.claim.clone()),
-        Verdict::Fails => ("FAILED", format!("{script}:{}  {}", claim.line, what_was_seen(claim))),
+        Verdict::Fails => ("FAILED", format!("{script}:{}  {}", claim.line, value_seen(claim))),
         Verdict::Undecided | Verdict::Unjudged => ("unjudged", format!("{script}:{}  {}", claim.line, claim.claim)),
     };
     [verdict.to_owned(), claim.name.clone(), margin(claim), detail]
 }
 
-fn what_was_seen(claim: &JudgedClaim) -> String {
+fn value_seen(claim: &JudgedClaim) -> String {
     let (Some(limit), Some(seen), Some(margin)) = (claim.limit, claim.seen, claim.margin) else {
         return claim.claim.clone();
     };
@@ -122,7 +122,7 @@ fn what_was_seen(claim: &JudgedClaim) -> String {
     format!("limit {}{unit}, seen {}{unit}", shortest_decimal(limit), beside(seen, margin))
 }
 
-/// The margin with a column for its sign, so that digits stand under digits.
+/// The margin with a column for its sign, so that digits are aligned.
 fn margin(claim: &JudgedClaim) -> String {
     let Some(at_s) = claim.at_s else { return " - the run ended before".to_owned() };
     let at = shortest_decimal(at_s);
@@ -139,7 +139,7 @@ fn unit_suffix(claim: &JudgedClaim) -> String {
 
 fn count_line(verdict: &VerdictFile, replay: &str) -> String {
     let (count, all) = (verdict.count(), verdict.claims.len());
-    let lost = match (count.failed, count.unjudged) {
+    let summary = match (count.failed, count.unjudged) {
         _ if all == 0 => return "No claims in this script: nothing was judged.\n".to_owned(),
         (0, 0) if all == 1 => return "The claim holds.\n".to_owned(),
         (0, 0) => return format!("All {all} claims hold.\n"),
@@ -147,7 +147,7 @@ fn count_line(verdict: &VerdictFile, replay: &str) -> String {
         (failed, 0) => format!("{failed} of {all} claims failed."),
         (failed, open) => format!("{failed} of {all} claims failed, {open} could not be judged."),
     };
-    format!("{lost}  {replay} replays it\n")
+    format!("{summary}  {replay} replays it\n")
 }
 
 #[cfg(test)]
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn a_report_shows_margins_in_line_and_where_a_lost_claim_stands() {
+    fn a_report_aligns_margins_and_gives_the_line_of_a_failed_claim() {
         let judged = vec![
             (
                 claim("clear", "always world.clearance > 0.8 m", Some(("m", 1.0)), Some((0.8, false))),
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_that_ended_early_says_so() {
+    fn the_report_of_a_run_that_ended_early_gives_the_reason() {
         let landed = claim("landed", "eventually quad.landed", None, None);
         let judged = [(landed, standing(Verdict::Unjudged, 0.0, 0))];
         let texts = [
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_line_counts_what_was_lost() {
+    fn the_last_line_counts_failed_and_unjudged_claims() {
         let make = |verdicts: &[Verdict]| {
             let judged = verdicts.iter().map(|&verdict| (claim("a", "b", None, None), standing(verdict, 0.0, 0)));
             let text = report_of(heading(RunState::Finished), 90.0, "stop time", &judged.collect::<Vec<_>>());
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn a_replay_line_survives_the_shell() {
+    fn a_replay_command_is_quoted_for_the_shell() {
         let parameter = |value: &str| Parameter { name: "load".to_owned(), value: value.to_owned(), set: true };
         let line = replay_command("my runs/a.scn", &[parameter("5 'N.m'")], &["units".to_owned()]);
         assert_eq!(line, r#"lockstep run 'my runs/a.scn' --set 'load = 5 '\''N.m'\''' --units units"#);

@@ -1,11 +1,11 @@
-//! Where the files of a unit belong (section 2.3 of the standard), judged by their names.
+//! The places of a unit's files (section 2.3 of the standard), checked by their names.
 
 use fmi2::description::{Finding, Position, Severity};
 use fmi2::platform::FOLDERS;
 use std::collections::{BTreeMap, BTreeSet};
 
 const RULE: &str = "2.3";
-/// What the root of an archive may hold.
+/// The files and folders that the root of an archive may contain.
 const AT_ROOT: [&str; 8] = [
     "modelDescription.xml",
     "model.png",
@@ -17,7 +17,7 @@ const AT_ROOT: [&str; 8] = [
     "terminalsAndIcons",
 ];
 
-/// What is wrong with the places of files, given their names and the unit's `modelIdentifier`.
+/// Findings about the places of files, given their names and the unit's `modelIdentifier`.
 pub(super) fn check(files: &[&str], identifier: &str) -> Vec<Finding> {
     let mut findings = Vec::new();
     let roots: BTreeSet<_> = files.iter().map(|name| name.split('/').next().unwrap_or(name)).collect();
@@ -71,7 +71,7 @@ fn finding(severity: Severity, message: String) -> Finding {
 }
 
 #[test]
-fn a_library_is_called_as_its_platform_calls_libraries() {
+fn a_library_has_the_file_extension_of_its_platform() {
     for (platform, name) in
         [("win64", "a.dll"), ("x86_64-windows", "a.dll"), ("darwin64", "a.dylib"), ("aarch64-darwin", "a.dylib")]
     {
@@ -81,7 +81,7 @@ fn a_library_is_called_as_its_platform_calls_libraries() {
 }
 
 #[test]
-fn a_unit_of_sources_alone_is_sound_but_does_not_run_here() {
+fn a_unit_with_sources_only_is_valid_but_does_not_run_on_this_platform() {
     let findings = check(&["modelDescription.xml", "sources/a.c"], "a");
     let texts: Vec<_> = findings.iter().map(|finding| (finding.severity, finding.message.as_str())).collect();
     let expected = format!("nothing for this platform, `{}`; there is: sources only", FOLDERS[0]);
@@ -89,13 +89,13 @@ fn a_unit_of_sources_alone_is_sound_but_does_not_run_here() {
 }
 
 #[test]
-fn a_unit_without_anything_to_run_is_none() {
+fn a_unit_without_binaries_and_sources_is_an_error() {
     let findings = check(&["modelDescription.xml"], "a");
     assert_eq!(findings.iter().map(|finding| finding.severity).collect::<Vec<_>>(), [Severity::Error]);
 }
 
 #[test]
-fn a_name_cannot_command_the_terminal_that_shows_it() {
+fn control_characters_of_a_name_are_escaped_in_a_message() {
     let findings = check(&["\x1b[2J/a\nb", "sources/a.c"], "a");
     assert!(findings[0].message.starts_with(r"`\u{1b}[2J` is none"), "{}", findings[0].message);
 }

@@ -1,4 +1,4 @@
-//! The entries of an archive, judged by their names, kinds and sizes before one of them is read.
+//! The entries of an archive, checked by their names, kinds and sizes before any of them is read.
 
 use super::Problem;
 use fmi2::description::{Finding, Position, Severity};
@@ -6,41 +6,41 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Seek};
 use zip::ZipArchive;
 
-/// At most so many entries.
+/// The largest number of entries.
 pub const MAX_ENTRIES: usize = 10_000;
-/// At most so many bytes in all files together.
+/// The largest number of bytes in all files together.
 pub const MAX_BYTES: u64 = 1 << 30;
-/// What unpacks to more than [`RATIO_FREE_BYTES`] must not grow more than so many times.
+/// The largest compression ratio of an entry that unpacks to more than [`RATIO_FREE_BYTES`].
 pub const MAX_RATIO: u64 = 200;
-/// Small files may be as repetitive as they like.
+/// Up to this size any compression ratio is accepted: small files are often repetitive, and cannot fill a disk.
 pub const RATIO_FREE_BYTES: u64 = 1 << 20;
 
 /// One file or folder.
 #[derive(Debug)]
 pub struct Entry {
-    /// The number in the archive.
+    /// Its index in the archive.
     pub index: usize,
     /// The path in the unit's folder: relative, with forward slashes, without `.` and `..`.
     pub name: String,
     /// Whether it is a folder.
     pub is_folder: bool,
-    /// Bytes as announced.
+    /// Its size in bytes as declared in the archive.
     pub size: u64,
-    /// Whether its owner may run it.
+    /// Whether its owner has the right to execute it.
     pub executable: bool,
 }
 
 /// The entries, in the archive's order.
 #[derive(Debug)]
 pub struct Survey {
-    /// Each has a name of its own.
+    /// No two have the same name.
     pub entries: Vec<Entry>,
-    /// What is odd, but harmless.
+    /// Warnings about what is unusual but harmless.
     pub findings: Vec<Finding>,
 }
 
 impl Survey {
-    /// Looks through the directory of an archive.
+    /// Checks the directory of an archive.
     pub fn of<R: Read + Seek>(archive: &mut ZipArchive<R>) -> Result<Self, Problem> {
         if archive.len() > MAX_ENTRIES {
             return Err(Problem::new(format!("{} entries; at most {MAX_ENTRIES} are unpacked", archive.len())));
@@ -70,6 +70,7 @@ impl Survey {
         if file.encrypted() {
             return Err(Problem::of(&raw, "is encrypted"));
         }
+        // The file type bits of a Unix mode; zero where the archive was made on another system.
         const KIND: u32 = 0o170_000;
         let (folder, regular) = (0o040_000, 0o100_000);
         let mode = file.unix_mode().unwrap_or(0);
@@ -88,7 +89,7 @@ impl Survey {
         Ok(Entry { index, name, is_folder, size, executable: mode & 0o100 != 0 })
     }
 
-    /// The name as a relative path that stays in its folder.
+    /// The name as a relative path that does not leave the unit's folder.
     fn safe_name(&mut self, raw: &str) -> Result<String, Problem> {
         let refuse = |why: &str| Err(Problem::of(raw, why));
         let name = raw.replace('\\', "/");
@@ -124,8 +125,8 @@ impl Survey {
         self.findings.push(Finding { severity, rule: "2.3", position, message });
     }
 
-    /// Refuses entries that would be the same file, here or where upper and lower case are the same, and files that
-    /// others use as a folder.
+    /// Refuses entries that would be the same file, here or on a file system that ignores case, and files whose name
+    /// other entries use as a folder.
     fn refuse_collisions(&self) -> Result<(), Problem> {
         let mut seen = BTreeMap::new();
         let mut folders = BTreeSet::new();

@@ -1,4 +1,4 @@
-//! Archives that are fine, archives that are not, and bytes that are neither.
+//! Valid archives, refused archives, and arbitrary bytes.
 
 use super::survey::{MAX_BYTES, MAX_ENTRIES, MAX_RATIO, RATIO_FREE_BYTES};
 use super::*;
@@ -36,7 +36,7 @@ fn stored(name: &str, contents: &[u8]) -> Vec<u8> {
     })
 }
 
-/// Puts other bytes in the place of some, wherever they stand.
+/// Replaces all occurrences of some bytes by others of the same length.
 fn patched(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     assert_eq!(from.len(), to.len());
     let mut patched = bytes.to_vec();
@@ -84,7 +84,7 @@ fn links_and_devices_are_refused() {
 }
 
 #[test]
-fn what_grows_out_of_proportion_is_refused() {
+fn an_implausible_compression_ratio_and_too_many_entries_are_refused() {
     let zeros = vec![0; RATIO_FREE_BYTES as usize + 1];
     let text = refusal(&archive(&[("zeros", &zeros)]));
     assert!(text.contains("`zeros` grows from") && text.ends_with(&format!("at most {MAX_RATIO} times is believed")));
@@ -98,17 +98,17 @@ fn what_grows_out_of_proportion_is_refused() {
 }
 
 #[test]
-fn an_announced_size_is_neither_believed_nor_exceeded() {
+fn a_declared_size_that_differs_from_the_contents_is_refused() {
     let honest = stored("eleven", b"eleven byte");
     inspect(&honest).unwrap();
-    // Sizes stand in the directory as compressed, uncompressed, and then the length of the name.
+    // The archive's directory holds the compressed size, then the uncompressed one.
     let sizes = [11_u32.to_le_bytes(), 11_u32.to_le_bytes()].concat();
-    for (announced, text) in [
+    for (declared, text) in [
         (10_u32, "cannot be read: File is larger than its declared uncompressed size"),
         (12, "announces 12 bytes, but holds 11"),
     ] {
-        let lie = [11_u32.to_le_bytes(), announced.to_le_bytes()].concat();
-        assert_eq!(refusal(&patched(&honest, &sizes, &lie)), format!("archive: entry `eleven` {text}"));
+        let changed = [11_u32.to_le_bytes(), declared.to_le_bytes()].concat();
+        assert_eq!(refusal(&patched(&honest, &sizes, &changed)), format!("archive: entry `eleven` {text}"));
     }
     let huge = [11_u32.to_le_bytes(), u32::MAX.to_le_bytes()].concat();
     assert!(MAX_BYTES < u64::from(u32::MAX));
@@ -116,7 +116,7 @@ fn an_announced_size_is_neither_believed_nor_exceeded() {
 }
 
 #[test]
-fn an_archive_without_a_description_is_no_fmu() {
+fn an_archive_without_a_description_is_refused() {
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     archive.start_file("unit/ModelDescription.xml", SimpleFileOptions::default()).unwrap();
     let text = refusal(&archive.finish().unwrap().into_inner());
@@ -141,7 +141,7 @@ fn backslashes_and_dots_are_tolerated_with_a_warning() {
 }
 
 #[test]
-fn files_land_in_a_private_folder_with_the_rights_of_their_owner() {
+fn files_are_unpacked_into_a_private_folder_with_rights_for_their_owner_only() {
     let folder = tempfile::tempdir().unwrap();
     let (fmu, into) = (folder.path().join("a.fmu"), folder.path().join("unpacked"));
     let bytes = write(|archive| {
@@ -159,12 +159,12 @@ fn files_land_in_a_private_folder_with_the_rights_of_their_owner() {
     assert_eq!((mode(""), mode("resources"), mode("empty")), (0o700, 0o700, 0o700));
     assert_eq!((mode("resources/tool"), mode(DESCRIPTION)), (0o700, 0o600));
     assert_eq!(fs::read_to_string(into.join(DESCRIPTION)).unwrap(), XML);
-    // The folder is not fresh any more.
+    // The folder exists now.
     assert!(unpack(&fmu, &into).unwrap_err().to_string().starts_with("making the folder"));
 }
 
 #[test]
-fn nothing_stays_of_an_archive_that_cannot_be_unpacked() {
+fn nothing_is_left_of_an_archive_that_cannot_be_unpacked() {
     let folder = tempfile::tempdir().unwrap();
     let (fmu, into) = (folder.path().join("a.fmu"), folder.path().join("unpacked"));
     let broken = patched(&stored("b", b"contents of b"), b"contents of b", b"contents of c");
@@ -177,22 +177,22 @@ fn nothing_stays_of_an_archive_that_cannot_be_unpacked() {
 }
 
 #[test]
-fn every_kept_archive_is_judged_as_its_name_says() {
+fn every_archive_of_the_corpus_is_accepted_or_refused_as_its_name_says() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/archives");
-    let mut judged = 0;
+    let mut checked = 0;
     for file in fs::read_dir(folder).unwrap() {
         let path = file.unwrap().path();
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
         let accepted = inspect(&fs::read(&path).unwrap()).is_ok();
         assert_eq!(accepted, name.starts_with("accepted"), "{name}");
-        judged += 1;
+        checked += 1;
     }
-    assert!(judged >= 5, "the kept archives are there");
+    assert!(checked >= 5, "the kept archives are there");
 }
 
 proptest::proptest! {
     #[test]
-    fn any_change_of_an_archive_is_survived(
+    fn a_changed_archive_is_accepted_or_refused_without_a_panic(
         changes in proptest::collection::vec((0_usize..4096, proptest::num::u8::ANY), 0..12),
         cut in proptest::option::of(0_usize..4096),
     ) {
@@ -206,7 +206,7 @@ proptest::proptest! {
     }
 
     #[test]
-    fn any_bytes_are_survived(bytes in proptest::collection::vec(proptest::num::u8::ANY, 0..400)) {
+    fn arbitrary_bytes_are_refused_without_a_panic(bytes in proptest::collection::vec(proptest::num::u8::ANY, 0..400)) {
         assert!(inspect(&bytes).is_err());
     }
 }

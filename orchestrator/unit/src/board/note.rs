@@ -1,7 +1,8 @@
-//! The call in progress: what a stepping thread is doing, told before every call of a unit and when it calls no more.
+//! The call in progress: what a stepping thread is doing, noted before each call and after the last call of a batch.
 //!
-//! The loop makes many calls at one moment. Each costs one store; the moment is told once, and so is its end, so that
-//! what happens between two calls counts to the former.
+//! The loop makes its calls in batches at one simulated time. The time is stored once for each batch and each call
+//! costs one more store. The note is cleared only at the end of a batch: what happens between two calls counts as part
+//! of the first.
 
 use super::mapping::Mapping;
 use crate::failure::Doing;
@@ -11,7 +12,7 @@ use std::ptr::NonNull;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Words of one note: a cache line, so that threads do not disturb each other.
+/// Words of one note: a cache line, so that threads which write neighbouring notes do not share one (false sharing).
 pub(super) const NOTE_WORDS: usize = 8;
 
 const TICK_AT: usize = 0;
@@ -33,11 +34,12 @@ pub struct InCall {
     pub instance: usize,
     /// The call.
     pub doing: Doing,
-    /// How many moments the thread has begun. As long as nothing in here changes, it is in the same call.
+    /// How many batches the thread has begun. As long as no field of this struct changes, the thread is in the same
+    /// call.
     pub count: u64,
 }
 
-/// One thread's note on a board. Clones are the same note; only one thread should write it.
+/// One thread's note on a board. Clones refer to the same note; only one thread may write it.
 #[derive(Clone)]
 pub struct Note {
     words: NonNull<[AtomicU64; NOTE_WORDS]>,
@@ -47,7 +49,7 @@ pub struct Note {
 
 // SAFETY: `words` points into `mapping`, which is `Send` and `Sync`, and is read and written through atomics only.
 unsafe impl Send for Note {}
-// SAFETY: as above.
+// SAFETY: as for `Send`.
 unsafe impl Sync for Note {}
 
 impl Note {
@@ -62,16 +64,17 @@ impl Note {
         unsafe { self.words.as_ref() }
     }
 
-    /// Begins calls at one moment, the only ones of this thread until what is returned is dropped.
+    /// Begins a batch of calls. The thread must not begin another one until the returned value is dropped.
     #[inline]
     pub fn at(&self, tick: u64, time_s: f64) -> Now<'_> {
         self.counting_at(tick, time_s, tick)
     }
 
-    /// The same for calls whose result counts at a later tick.
+    /// Begins a batch of calls whose results take effect at a later tick.
     #[inline]
     pub fn counting_at(&self, tick: u64, time_s: f64, counts_at: u64) -> Now<'_> {
         let words = self.words();
+        // Relaxed is enough: `Now::enter` publishes these with a release store before any call is visible to a reader.
         words[TICK_AT].store(tick, Ordering::Relaxed);
         words[COUNTS_AT].store(counts_at, Ordering::Relaxed);
         let count = words[COUNT_AT].load(Ordering::Relaxed);
@@ -79,12 +82,13 @@ impl Note {
         Now { words, tick, time_s, counts_at }
     }
 
-    /// The call in progress; `None` between calls, or if something else than a call was written here.
+    /// The call in progress; `None` between batches, or if the word does not hold a valid call.
     ///
-    /// While the thread runs on, tick and count may already be those of a later call.
+    /// If the thread continues meanwhile, tick and count may already be those of a later batch.
     #[must_use]
     pub fn read(&self) -> Option<InCall> {
         let words = self.words();
+        // Pairs with the release in `Now::enter`: tick and count are those of this call or later ones, never earlier.
         let packed = words[DOING_AT].load(Ordering::Acquire);
         Some(InCall {
             tick: words[TICK_AT].load(Ordering::Relaxed),
@@ -94,35 +98,36 @@ impl Note {
         })
     }
 
-    /// The tick of the last call.
+    /// The tick of the last batch.
     #[must_use]
     pub fn tick(&self) -> u64 {
         self.words()[TICK_AT].load(Ordering::Relaxed)
     }
 
-    /// The tick at which the result of the last call counts.
+    /// The tick at which the results of the last batch take effect.
     #[must_use]
     pub fn counts_at(&self) -> u64 {
         self.words()[COUNTS_AT].load(Ordering::Relaxed)
     }
 }
 
-/// A moment at which calls are made; when it is dropped, the note says that the thread makes none.
+/// A batch of calls at one simulated time; when it is dropped, the note says that no call is in progress.
 ///
-/// At one moment no instance is called twice by the same function, or a watcher would not see that it gets on.
+/// In one batch the same function of an instance must not be called twice in succession: the process that watches the
+/// note could not tell that from one call that hangs.
 #[derive(Debug)]
 pub struct Now<'a> {
     words: &'a [AtomicU64; NOTE_WORDS],
-    /// The tick, which notes tell.
+    /// The tick, as the note holds it.
     pub tick: u64,
-    /// The same in seconds, tick × step, which units and people want.
+    /// The same time in seconds, tick × step, for units and error messages.
     pub time_s: f64,
-    /// The tick at which what the calls bring counts: a step's end for a step.
+    /// The tick at which the results of the calls take effect; for a step this is the step's end.
     pub counts_at: u64,
 }
 
 impl Now<'_> {
-    /// Says that a call begins.
+    /// Notes that a call begins.
     #[inline]
     pub fn enter(&self, instance: usize, doing: Doing) {
         self.words[DOING_AT].store((instance as u64) << 8 | code(doing), Ordering::Release);

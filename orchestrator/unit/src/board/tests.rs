@@ -1,4 +1,4 @@
-//! The board as its two processes use it, and as a broken one leaves it.
+//! The board as its two processes use it, and as a crashed one leaves it.
 
 use super::*;
 use crate::failure::Doing;
@@ -8,7 +8,7 @@ use std::thread;
 
 const LAYOUT: BoardLayout = BoardLayout { notes: 2, columns: 3, claims: 2 };
 
-/// A board in a file as its maker sees it, and as the process that opened it does.
+/// A board in a file: the view of the process that created it, and the view of the one that opened it.
 fn both_sides() -> (tempfile::TempDir, Board, Board) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("board");
@@ -18,7 +18,7 @@ fn both_sides() -> (tempfile::TempDir, Board, Board) {
 }
 
 #[test]
-fn a_board_is_for_its_owner_only_and_never_made_over_a_file() {
+fn a_board_is_readable_by_its_owner_only_and_never_overwrites_a_file() {
     let (folder, parent, child) = both_sides();
     let path = folder.path().join("board");
     assert_eq!(path.metadata().unwrap().permissions().mode() & 0o777, 0o600);
@@ -27,7 +27,7 @@ fn a_board_is_for_its_owner_only_and_never_made_over_a_file() {
 }
 
 #[test]
-fn what_is_no_board_is_not_opened() {
+fn a_file_that_is_not_a_board_is_not_opened() {
     let (folder, _parent, child) = both_sides();
     let path = folder.path().join("board");
     child.word(COLUMNS_AT).store(1 << 62, Ordering::Relaxed);
@@ -39,33 +39,33 @@ fn what_is_no_board_is_not_opened() {
 }
 
 #[test]
-fn an_impossible_layout_is_an_error() {
+fn a_layout_that_is_too_large_is_an_error() {
     for layout in [BoardLayout { columns: usize::MAX, ..LAYOUT }, BoardLayout { notes: usize::MAX / 8, ..LAYOUT }] {
         assert_eq!(Board::private(&layout).unwrap_err().kind(), io::ErrorKind::InvalidInput);
     }
 }
 
 #[test]
-fn a_note_tells_the_call_in_progress_and_nothing_between_calls() {
+fn a_note_holds_the_call_in_progress_and_nothing_between_calls() {
     let (_folder, parent, child) = both_sides();
-    let (ours, theirs) = (child.note(1), parent.note(1));
-    assert_eq!(theirs.read(), None);
-    let now = ours.at(7, 0.07);
-    assert_eq!(theirs.read(), None);
+    let (writer, reader) = (child.note(1), parent.note(1));
+    assert_eq!(reader.read(), None);
+    let now = writer.at(7, 0.07);
+    assert_eq!(reader.read(), None);
     now.enter(4, Doing::Call(Call::SetReal));
     now.enter(300, Doing::Call(Call::DoStep));
     let in_call = InCall { tick: 7, instance: 300, doing: Doing::Call(Call::DoStep), count: 1 };
-    assert_eq!(theirs.read(), Some(in_call));
+    assert_eq!(reader.read(), Some(in_call));
     assert_eq!(parent.note(0).read(), None);
     drop(now);
-    assert_eq!((theirs.read(), theirs.tick()), (None, 7));
-    let now = ours.at(8, 0.08);
+    assert_eq!((reader.read(), reader.tick()), (None, 7));
+    let now = writer.at(8, 0.08);
     now.enter(0, Doing::Load);
-    assert_eq!(theirs.read(), Some(InCall { tick: 8, instance: 0, doing: Doing::Load, count: 2 }));
+    assert_eq!(reader.read(), Some(InCall { tick: 8, instance: 0, doing: Doing::Load, count: 2 }));
 }
 
 #[test]
-fn a_note_outlives_the_board_that_gave_it() {
+fn a_note_outlives_the_board_that_it_was_taken_from() {
     let note = Board::private(&LAYOUT).unwrap().note(0);
     let now = note.at(1, 0.01);
     now.enter(2, Doing::Load);
@@ -73,9 +73,9 @@ fn a_note_outlives_the_board_that_gave_it() {
 }
 
 #[test]
-fn rows_arrive_in_order_however_often_the_ring_goes_round() {
+fn rows_arrive_in_order_however_often_the_ring_wraps_around() {
     let (_folder, parent, child) = both_sides();
-    let rows = 5 * parent.places.row_capacity as u64 + 3;
+    let rows = 5 * parent.offsets.row_capacity as u64 + 3;
     thread::scope(|scope| {
         scope.spawn(|| (0..rows).for_each(|tick| child.push_row(tick, &[tick, !tick, tick * 3])));
         let mut next = 0;
@@ -94,7 +94,7 @@ fn messages_of_several_threads_arrive_whole() {
     let (_folder, parent, child) = both_sides();
     const THREADS: u8 = 3;
     const EACH: usize = 400;
-    let mut heard = Vec::new();
+    let mut received = Vec::new();
     thread::scope(|scope| {
         for thread in 0..THREADS {
             let child = &child;
@@ -104,21 +104,21 @@ fn messages_of_several_threads_arrive_whole() {
                 }
             });
         }
-        while heard.len() < EACH * usize::from(THREADS) {
-            parent.pop_messages(|message| heard.push(message.to_vec()));
+        while received.len() < EACH * usize::from(THREADS) {
+            parent.pop_messages(|message| received.push(message.to_vec()));
         }
     });
     for thread in 1..THREADS {
         let of_thread = |message: &&Vec<u8>| message.first() == Some(&thread);
-        assert!(heard.iter().filter(of_thread).all(|message| message.iter().all(|&byte| byte == thread)));
-        let lengths: Vec<_> = heard.iter().filter(of_thread).map(Vec::len).collect();
+        assert!(received.iter().filter(of_thread).all(|message| message.iter().all(|&byte| byte == thread)));
+        let lengths: Vec<_> = received.iter().filter(of_thread).map(Vec::len).collect();
         let expected: Vec<_> = (0..EACH).map(|i| i * 17 % 9000).filter(|&length| length > 0).collect();
         assert_eq!(lengths, expected);
     }
 }
 
 #[test]
-fn a_message_that_no_ring_holds_is_refused_and_the_longest_passes() {
+fn a_message_that_is_longer_than_the_ring_is_refused_and_the_longest_that_fits_passes() {
     let (_folder, parent, child) = both_sides();
     assert!(!child.push_message(&vec![1; Board::LONGEST_MESSAGE + 1]));
     for round in 0..3 {
@@ -130,7 +130,7 @@ fn a_message_that_no_ring_holds_is_refused_and_the_longest_passes() {
 }
 
 #[test]
-fn a_claim_is_read_as_it_was_last_told_even_if_its_writer_died_in_the_middle() {
+fn a_claim_is_read_as_it_was_last_stored_even_if_its_writer_died_while_storing_the_next() {
     let (_folder, parent, child) = both_sides();
     assert_eq!(parent.claim(1), None);
     let first = ClaimNote { verdict: 1, margin: -0.25, worst_tick: 40 };
@@ -139,7 +139,7 @@ fn a_claim_is_read_as_it_was_last_told_even_if_its_writer_died_in_the_middle() {
     let second = ClaimNote { verdict: 2, margin: f64::INFINITY, ..first };
     child.set_claim(1, &second);
     assert_eq!(parent.claim(1), Some(second));
-    // The third is half written: the copy that is not the second's.
+    // A third is half written, over the copy that held the first.
     for word in &child.claim_words(1)[8..10] {
         word.store(77, Ordering::Relaxed);
     }
@@ -147,7 +147,7 @@ fn a_claim_is_read_as_it_was_last_told_even_if_its_writer_died_in_the_middle() {
 }
 
 #[test]
-fn flags_cross_over() {
+fn the_stop_flag_and_the_tick_reach_the_other_side() {
     let (_folder, parent, child) = both_sides();
     assert!(!child.stop_requested());
     parent.request_stop();
@@ -158,23 +158,23 @@ fn flags_cross_over() {
 
 proptest::proptest! {
     #[test]
-    fn whatever_is_scribbled_over_a_board_its_reader_survives(
-        scribbles in proptest::collection::vec((0_usize..4096, 0_u64..), 1..40),
+    fn a_reader_survives_any_overwritten_words_of_a_board(
+        overwritten in proptest::collection::vec((0_usize..4096, 0_u64..), 1..40),
         near_the_rings in proptest::collection::vec((0_usize..24, proptest::bool::ANY, 0_u64..200_000), 0..8),
     ) {
         let (_folder, parent, child) = both_sides();
         child.push_message(b"before");
         child.push_row(1, &[2, 3, 4]);
-        for (at, value) in scribbles {
+        for (at, value) in overwritten {
             child.word(at).store(value, Ordering::Relaxed);
         }
         for (at, of_messages, value) in near_the_rings {
-            let start = if of_messages { child.places.messages } else { child.places.rows };
+            let start = if of_messages { child.offsets.messages } else { child.offsets.rows };
             child.word(start + at).store(value, Ordering::Relaxed);
         }
         for _ in 0..2 {
             let rows = parent.pop_rows(|_, slots| assert_eq!(slots.len(), LAYOUT.columns));
-            assert!(rows <= parent.places.row_capacity);
+            assert!(rows <= parent.offsets.row_capacity);
             parent.pop_messages(|message| assert!(message.len() <= Board::LONGEST_MESSAGE));
             let _ = (parent.note(0).read(), parent.claim(0), parent.tick());
         }

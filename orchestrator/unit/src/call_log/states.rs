@@ -1,4 +1,4 @@
-//! The functions that save and restore states, with a word before and after each.
+//! The functions that save and restore states, each with a log entry before and after the call.
 
 use super::Logged;
 use crate::library::StateFunctions;
@@ -6,33 +6,33 @@ use fmi2::c::{Component, FmuState, RawStatus};
 use fmi2::calls::Call;
 use std::ffi::c_char;
 
-/// What stands between an instance and its unit.
+/// The functions that an instance calls instead of the unit's.
 pub(super) const TABLE: StateFunctions = StateFunctions { get, set, free, serialized_size, serialize, deserialize };
 
 impl Logged {
-    /// Tells and makes a call.
+    /// Makes a call and logs it.
     ///
     /// # Safety
-    /// As for [`Logged::of`], and `foreign` makes a call that the unit may get.
+    /// As for [`Logged::of`], and `foreign` makes a call that the standard allows at this time.
     unsafe fn state_call(
         component: Component,
         call: Call,
         arguments: impl FnOnce() -> String,
         foreign: impl FnOnce(&StateFunctions, Component) -> RawStatus,
-        answer: impl FnOnce() -> String,
+        results: impl FnOnce() -> String,
     ) -> RawStatus {
-        // SAFETY: the caller says so.
+        // SAFETY: guaranteed by the caller.
         let logged = unsafe { Self::of(component) };
-        let made = |_: &_, unit| match &logged.states {
+        let call_unit = |_: &_, unit| match &logged.states {
             Ok(states) => foreign(states, unit),
             Err(_) => unreachable!("the table is only there if the unit has all of these functions"),
         };
-        logged.call(call, arguments, made, answer)
+        logged.call(call, arguments, call_unit, results)
     }
 }
 
 unsafe extern "C" fn get(component: Component, state: *mut FmuState) -> RawStatus {
-    // SAFETY: `Instance` calls with its own component, and the unit gets the arguments that were meant for it.
+    // SAFETY: `Instance` calls with its own component, and the unit gets the arguments unchanged.
     unsafe {
         Logged::state_call(component, Call::GetFmuState, String::new, |unit, to| (unit.get)(to, state), String::new)
     }
@@ -53,18 +53,18 @@ unsafe extern "C" fn free(component: Component, state: *mut FmuState) -> RawStat
 }
 
 unsafe extern "C" fn serialized_size(component: Component, state: FmuState, size: *mut usize) -> RawStatus {
-    // SAFETY: as in `get`; `Instance` asks with a pointer to a value.
+    // SAFETY: as in `get`; `Instance` passes a pointer to an initialized value.
     unsafe {
-        let made = |unit: &StateFunctions, to| (unit.serialized_size)(to, state, size);
-        Logged::state_call(component, Call::SerializedFmuStateSize, String::new, made, || format!(", {}", *size))
+        let foreign = |unit: &StateFunctions, to| (unit.serialized_size)(to, state, size);
+        Logged::state_call(component, Call::SerializedFmuStateSize, String::new, foreign, || format!(", {}", *size))
     }
 }
 
 unsafe extern "C" fn serialize(component: Component, state: FmuState, bytes: *mut c_char, size: usize) -> RawStatus {
     // SAFETY: as in `get`.
     unsafe {
-        let made = |unit: &StateFunctions, to| (unit.serialize)(to, state, bytes, size);
-        Logged::state_call(component, Call::SerializeFmuState, || format!("size = {size}"), made, String::new)
+        let foreign = |unit: &StateFunctions, to| (unit.serialize)(to, state, bytes, size);
+        Logged::state_call(component, Call::SerializeFmuState, || format!("size = {size}"), foreign, String::new)
     }
 }
 
@@ -76,7 +76,7 @@ unsafe extern "C" fn deserialize(
 ) -> RawStatus {
     // SAFETY: as in `get`.
     unsafe {
-        let made = |unit: &StateFunctions, to| (unit.deserialize)(to, bytes, size, state);
-        Logged::state_call(component, Call::DeSerializeFmuState, || format!("size = {size}"), made, String::new)
+        let foreign = |unit: &StateFunctions, to| (unit.deserialize)(to, bytes, size, state);
+        Logged::state_call(component, Call::DeSerializeFmuState, || format!("size = {size}"), foreign, String::new)
     }
 }

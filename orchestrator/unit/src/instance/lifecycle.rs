@@ -1,8 +1,8 @@
-//! From `fmi2Instantiate` to `fmi2FreeInstance`.
+//! The life of an instance, from `fmi2Instantiate` to `fmi2FreeInstance`.
 
-use super::{Instance, LogTap, Rest, Strings};
+use super::{Instance, Rest, StatusLog, Strings};
 use crate::board::{Note, Now};
-use crate::call_log::{CallLog, Calls, Teller};
+use crate::call_log::{CallLog, CallWriter, Calls};
 use crate::failure::{Cause, Doing, Failure};
 use crate::library::{Functions, Library, preserved};
 use crate::logger::{Environment, LOGGER, LogSink, Registration};
@@ -12,27 +12,27 @@ use std::ffi::{CStr, CString};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// What an instance is and whom it reports to.
+/// The identity of an instance and the receivers of its messages.
 pub struct Setting<'a> {
     /// The name in the script.
     pub name: &'a str,
     /// The index in the scenario.
     pub index: usize,
-    /// The note of the thread that calls it.
+    /// The note of the thread that calls the instance.
     pub note: Note,
-    /// Where its messages go.
+    /// Receives its log messages.
     pub sink: LogSink,
-    /// Whether the unit should tell everything, not only what is wrong.
+    /// `loggingOn`: whether the unit should log debug messages too.
     pub logging_on: bool,
-    /// Where its calls are told, if they are.
+    /// Receives a log of its calls; `None` if they are not logged.
     pub calls: Option<CallLog>,
 }
 
 impl Instance {
-    /// Makes an instance.
+    /// Instantiates a unit.
     ///
     /// # Errors
-    /// The unit makes none, or may be instantiated only once in a process and was.
+    /// The unit returns NULL, or it may be instantiated only once in a process and an instance exists.
     pub fn instantiate(library: &Arc<Library>, setting: Setting<'_>) -> Result<Self, Failure> {
         let Setting { name, index, note, sink, logging_on, calls } = setting;
         let failure = |cause| Failure {
@@ -55,15 +55,15 @@ impl Instance {
             sink: Arc::clone(&sink),
         });
         let callbacks = callbacks(&registration);
-        let teller = calls.map(|log| Teller { log, note: note.clone(), names: Arc::clone(&library.names) });
+        let call_writer = calls.map(|log| CallWriter { log, note: note.clone(), names: Arc::clone(&library.names) });
         let now = note.at(0, 0.0);
         now.enter(index, Doing::Call(Call::Instantiate));
-        if let Some(teller) = &teller {
-            teller.begin(Call::Instantiate, || format!("{name:?}, loggingOn = {logging_on}"));
+        if let Some(call_writer) = &call_writer {
+            call_writer.begin(Call::Instantiate, || format!("{name:?}, loggingOn = {logging_on}"));
         }
         let component = call_instantiate(library, &c_name, &callbacks, logging_on);
-        if let Some(teller) = &teller {
-            teller.end(|| if component.is_null() { "NULL" } else { "an instance" }.to_owned());
+        if let Some(call_writer) = &call_writer {
+            call_writer.end(|| if component.is_null() { "NULL" } else { "an instance" }.to_owned());
         }
         drop(now);
         if component.is_null() {
@@ -71,7 +71,8 @@ impl Instance {
         }
         library.instances.fetch_add(1, Ordering::AcqRel);
         let unit = Calls { functions: library.functions, states: library.states, component };
-        let Calls { functions, states, component } = teller.map_or(unit, |teller| teller.interpose(unit));
+        let Calls { functions, states, component } =
+            call_writer.map_or(unit, |call_writer| call_writer.interpose(unit));
         let Functions { set_real, do_step, get_real, .. } = functions;
         let rest = Rest {
             functions,
@@ -81,27 +82,27 @@ impl Instance {
             library: Arc::clone(library),
             _callbacks: callbacks,
             _registration: registration,
-            log: LogTap { sink, warned: false },
+            status_log: StatusLog { sink, warned: false },
             strings: Strings::default(),
         };
         Ok(Self { component, index, set_real, do_step, get_real, rest: Box::new(rest) })
     }
 
-    /// Says when the run begins. Its end and a tolerance stay open.
+    /// Sets the start time. Stop time and tolerance are left undefined.
     ///
     /// # Errors
-    /// The unit refuses.
+    /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     pub fn setup_experiment(&mut self, start: &Now<'_>) -> Result<(), Failure> {
         self.checked(start, Call::SetupExperiment, |functions, component| {
-            // SAFETY: plain numbers.
+            // SAFETY: the component is this library's, and the other arguments are plain numbers.
             unsafe { (functions.setup_experiment)(component, FALSE, 0.0, start.time_s, FALSE, 0.0) }
         })
     }
 
-    /// Begins initialization.
+    /// Enters initialization mode.
     ///
     /// # Errors
-    /// The unit refuses.
+    /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     pub fn enter_initialization_mode(&mut self, now: &Now<'_>) -> Result<(), Failure> {
         self.checked(now, Call::EnterInitializationMode, |functions, component| {
             // SAFETY: the component is this library's.
@@ -109,10 +110,10 @@ impl Instance {
         })
     }
 
-    /// Ends initialization.
+    /// Exits initialization mode.
     ///
     /// # Errors
-    /// The unit refuses.
+    /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     pub fn exit_initialization_mode(&mut self, now: &Now<'_>) -> Result<(), Failure> {
         self.checked(now, Call::ExitInitializationMode, |functions, component| {
             // SAFETY: the component is this library's.
@@ -120,10 +121,10 @@ impl Instance {
         })
     }
 
-    /// Ends the run for this instance. After a `fmi2Fatal` of any instance of its library nothing is called.
+    /// Terminates the instance. After `fmi2Fatal` of any instance of the library this does nothing.
     ///
     /// # Errors
-    /// The unit refuses.
+    /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     pub fn terminate(&mut self, now: &Now<'_>) -> Result<(), Failure> {
         if self.rest.library.is_dead() {
             return Ok(());
@@ -134,10 +135,12 @@ impl Instance {
         })
     }
 
-    /// Frees the instance, as dropping it does.
+    /// Frees the instance; the same as dropping it.
     pub fn free(self) {}
 }
 
+/// The callbacks. The memory functions are those of the C library, so that a unit may release with `free` what it got
+/// here.
 fn callbacks(registration: &Registration) -> Box<CallbackFunctions> {
     Box::new(CallbackFunctions {
         logger: Some(LOGGER),
@@ -152,7 +155,8 @@ fn call_instantiate(library: &Library, name: &CStr, callbacks: &CallbackFunction
     let (guid, resources) = (library.guid.as_ptr(), library.resources.as_ptr());
     let (visible, logging) = (FALSE, Boolean::from(logging_on));
     preserved(|| {
-        // SAFETY: the texts and the callbacks outlive the call, and whoever keeps the instance keeps the callbacks.
+        // SAFETY: the strings and the callbacks outlive the call, and `Instance` keeps the callbacks as long as the
+        // component.
         unsafe {
             (library.functions.instantiate)(name.as_ptr(), CO_SIMULATION, guid, resources, callbacks, visible, logging)
         }
@@ -166,7 +170,7 @@ impl Drop for Instance {
         }
         let now = self.rest.note.at(self.rest.note.tick(), f64::NAN);
         now.enter(self.index, Doing::Call(Call::FreeInstance));
-        // SAFETY: the component is this library's, and nobody has it after this.
+        // SAFETY: the component is this library's, and it is not used after this call.
         unsafe { (self.rest.functions.free_instance)(self.component) };
         self.rest.library.instances.fetch_sub(1, Ordering::AcqRel);
     }

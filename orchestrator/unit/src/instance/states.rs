@@ -1,4 +1,4 @@
-//! An instance's state as bytes, by the standard's functions, and back.
+//! Saves an instance's state as bytes and restores it, by the standard's functions.
 
 use super::Instance;
 use crate::board::Now;
@@ -8,24 +8,24 @@ use fmi2::c::FmuState;
 use fmi2::calls::Call;
 use std::ptr;
 
-/// A state of more bytes is believed to be a mistake of the unit.
+/// A larger state is taken for an error of the unit, instead of allocating that much memory.
 const LARGEST_STATE: usize = 1 << 30;
 
 impl Instance {
     /// The present state, serialized by the unit.
     ///
     /// # Errors
-    /// The unit refuses, lacks a function, or names a size that is none.
+    /// The unit refuses, lacks a function, or returns a size above the limit.
     pub fn save(&mut self, now: &Now<'_>) -> Result<Vec<u8>, Failure> {
         let functions = self.state_functions(now)?;
         let mut state = ptr::null_mut();
         self.checked(now, Call::GetFmuState, |_, component| {
-            // SAFETY: the pointer is to a handle, NULL as the standard asks for a state that is to be made.
+            // SAFETY: the pointer is valid; the handle is NULL, by which the standard asks for a new state.
             unsafe { (functions.get)(component, &raw mut state) }
         })?;
         let mut size = 0;
         self.checked(now, Call::SerializedFmuStateSize, |_, component| {
-            // SAFETY: the state is this instance's, and the pointer is to a value of the right type.
+            // SAFETY: the state is this instance's, and the pointer is valid and of the right type.
             unsafe { (functions.serialized_size)(component, state, &raw mut size) }
         })?;
         if size > LARGEST_STATE {
@@ -41,7 +41,7 @@ impl Instance {
         Ok(bytes)
     }
 
-    /// Goes to a state that this unit serialized, in this process or another.
+    /// Restores a state that this unit serialized, in this process or in another.
     ///
     /// # Errors
     /// The unit refuses or lacks a function.
@@ -49,7 +49,7 @@ impl Instance {
         let functions = self.state_functions(now)?;
         let mut state = ptr::null_mut();
         self.checked(now, Call::DeSerializeFmuState, |_, component| {
-            // SAFETY: the unit only reads the bytes, as many as it is told, and writes the handle.
+            // SAFETY: the unit reads at most the given number of bytes, and writes the handle.
             unsafe { (functions.deserialize)(component, bytes.as_ptr().cast(), bytes.len(), &raw mut state) }
         })?;
         self.checked(now, Call::SetFmuState, |_, component| {
@@ -61,7 +61,7 @@ impl Instance {
 
     fn free_state(&mut self, now: &Now<'_>, functions: StateFunctions, mut state: FmuState) -> Result<(), Failure> {
         self.checked(now, Call::FreeFmuState, |_, component| {
-            // SAFETY: the state is this instance's, and nobody uses it after this.
+            // SAFETY: the state is this instance's, and it is not used after this call.
             unsafe { (functions.free)(component, &raw mut state) }
         })
     }

@@ -1,21 +1,21 @@
-//! Texts on their way to a unit and back, in memory that is kept from call to call.
+//! Strings passed to a unit and back, in buffers that are reused from call to call.
 
 use fmi2::c::Str;
 use std::ffi::CStr;
 use std::ptr;
 
-/// Texts with closing zeros, and pointers to texts.
+/// Zero-terminated strings, and pointers to strings.
 #[derive(Debug, Default)]
 pub(super) struct Strings {
     bytes: Vec<u8>,
     pointers: Vec<Str>,
 }
 
-// SAFETY: between calls the pointers are leftovers that nobody follows.
+// SAFETY: the pointers are dereferenced only during a call; between calls they are unused.
 unsafe impl Send for Strings {}
 
 impl Strings {
-    /// The texts as C has them. A text ends at its first zero character, if it has one.
+    /// The strings as C has them. A string ends at its first zero character, if it contains one.
     pub fn for_unit(&mut self, texts: &[String]) -> &[Str] {
         let until_zero = |text: &String| text.find('\0').unwrap_or(text.len());
         self.bytes.clear();
@@ -32,22 +32,22 @@ impl Strings {
         &self.pointers
     }
 
-    /// Room for as many pointers of a unit, all NULL.
+    /// An array for `count` pointers that a unit writes, all NULL.
     pub fn of_unit(&mut self, count: usize) -> &mut [Str] {
         self.pointers.clear();
         self.pointers.resize(count, ptr::null());
         &mut self.pointers
     }
 
-    /// Copies the texts that a unit put behind [`Strings::of_unit`].
+    /// Copies the strings whose pointers a unit wrote into the array of [`Strings::of_unit`].
     ///
     /// # Safety
-    /// Each of the pointers is NULL or leads to a living text that ends in a zero byte.
+    /// Each of the pointers is NULL or points to a valid string that ends in a zero byte.
     pub unsafe fn copy_to(&self, texts: &mut [String]) {
         for (text, &pointer) in texts.iter_mut().zip(&self.pointers) {
             text.clear();
             if !pointer.is_null() {
-                // SAFETY: the caller says so.
+                // SAFETY: guaranteed by the caller.
                 text.push_str(&unsafe { CStr::from_ptr(pointer) }.to_string_lossy());
             }
         }
@@ -55,14 +55,14 @@ impl Strings {
 }
 
 #[test]
-fn texts_come_back_as_they_went() {
+fn strings_are_the_same_after_a_round_trip() {
     let mut strings = Strings::default();
     let sent = ["", "grüß", "a\0b"].map(String::from);
     let pointers = strings.for_unit(&sent).to_vec();
     let mut received = vec!["old".to_owned(); 4];
     let mut room = Strings::default();
     room.of_unit(4)[..3].copy_from_slice(&pointers);
-    // SAFETY: `strings` holds the texts, and the fourth pointer is NULL.
+    // SAFETY: `strings` owns the texts, and the fourth pointer is NULL.
     unsafe { room.copy_to(&mut received) };
     assert_eq!(received, ["", "grüß", "a", ""]);
 }

@@ -12,24 +12,25 @@ pub type Get<T> = unsafe extern "C" fn(Component, *const ValueReference, usize, 
 pub type Set<T> = unsafe extern "C" fn(Component, *const ValueReference, usize, *const T) -> RawStatus;
 /// `fmi2DoStep`.
 pub type DoStep = unsafe extern "C" fn(Component, f64, f64, Boolean) -> RawStatus;
-/// A function of the instance alone.
-pub type Plain = unsafe extern "C" fn(Component) -> RawStatus;
-/// A function without arguments that answers a text.
-pub type Answer = unsafe extern "C" fn() -> Str;
+/// A function whose only argument is the instance.
+pub type OfComponent = unsafe extern "C" fn(Component) -> RawStatus;
+/// A function without arguments that returns a string.
+pub type GetText = unsafe extern "C" fn() -> Str;
 
-/// The functions, raw. Calling one of them past [`Instance`](crate::instance::Instance) leaves no note.
+/// The functions as raw pointers. A call that does not go through [`Instance`](crate::instance::Instance) is not noted
+/// on the board.
 #[derive(Clone, Copy, Debug)]
 #[expect(missing_docs, reason = "each is the function of the standard of the same name")]
 pub struct Functions {
-    pub get_types_platform: Answer,
-    pub get_version: Answer,
+    pub get_types_platform: GetText,
+    pub get_version: GetText,
     pub instantiate:
         unsafe extern "C" fn(Str, FmuType, Str, Str, *const CallbackFunctions, Boolean, Boolean) -> Component,
     pub free_instance: unsafe extern "C" fn(Component),
     pub setup_experiment: unsafe extern "C" fn(Component, Boolean, f64, f64, Boolean, f64) -> RawStatus,
-    pub enter_initialization_mode: Plain,
-    pub exit_initialization_mode: Plain,
-    pub terminate: Plain,
+    pub enter_initialization_mode: OfComponent,
+    pub exit_initialization_mode: OfComponent,
+    pub terminate: OfComponent,
     pub get_real: Get<f64>,
     pub get_integer: Get<i32>,
     pub get_boolean: Get<Boolean>,
@@ -39,15 +40,16 @@ pub struct Functions {
     pub set_boolean: Set<Boolean>,
     pub set_string: Set<Str>,
     pub do_step: DoStep,
-    /// Asked only after a discarded step, and not exported by everybody.
+    /// Called only after a discarded step; some units do not export it.
     pub get_real_status: Option<unsafe extern "C" fn(Component, StatusKind, *mut f64) -> RawStatus>,
-    /// Asked only after a discarded step, and not exported by everybody.
+    /// Called only after a discarded step; some units do not export it.
     pub get_boolean_status: Option<unsafe extern "C" fn(Component, StatusKind, *mut Boolean) -> RawStatus>,
 }
 
 impl Functions {
     pub(super) fn of(library: &loader::Library, path: &Path) -> Result<Self, UnitError> {
-        // SAFETY: of each symbol the standard fixes the type, which is the field's that the symbol goes to.
+        // SAFETY: the standard defines the type of each symbol; it is the type of the field that the symbol is stored
+        // in.
         unsafe {
             Ok(Self {
                 get_types_platform: required(library, path, Call::GetTypesPlatform)?,
@@ -77,7 +79,7 @@ impl Functions {
 /// # Safety
 /// `T` is the type of a pointer to the call's function.
 unsafe fn required<T: Copy>(library: &loader::Library, path: &Path, call: Call) -> Result<T, UnitError> {
-    // SAFETY: the caller says so.
+    // SAFETY: guaranteed by the caller.
     unsafe { optional(library, call) }
         .ok_or_else(|| UnitError::NoFunction { library: path.to_path_buf(), symbol: call.name() })
 }
@@ -85,7 +87,7 @@ unsafe fn required<T: Copy>(library: &loader::Library, path: &Path, call: Call) 
 /// # Safety
 /// `T` is the type of a pointer to the call's function.
 pub(super) unsafe fn optional<T: Copy>(library: &loader::Library, call: Call) -> Option<T> {
-    // SAFETY: the caller says so; a symbol whose value is NULL counts as absent.
+    // SAFETY: the type is guaranteed by the caller; a symbol whose value is NULL counts as absent.
     let symbol = unsafe { library.get::<Option<T>>(call.name()) }.ok()?;
     *symbol
 }

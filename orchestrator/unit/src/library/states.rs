@@ -6,7 +6,7 @@ use fmi2::calls::Call;
 use libloading::os::unix as loader;
 use std::ffi::c_char;
 
-/// The functions, all of them; of use to units that say so.
+/// All of these functions; a unit declares in its description whether they may be used.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StateFunctions {
     pub get: unsafe extern "C" fn(Component, *mut FmuState) -> RawStatus,
@@ -20,7 +20,8 @@ pub(crate) struct StateFunctions {
 impl StateFunctions {
     /// The functions of a library, or the one that it lacks.
     pub fn of(library: &loader::Library) -> Result<Self, Call> {
-        // SAFETY: of each symbol the standard fixes the type, which is the field's that the symbol goes to.
+        // SAFETY: the standard defines the type of each symbol; it is the type of the field that the symbol is stored
+        // in.
         unsafe {
             Ok(Self {
                 get: optional(library, Call::GetFmuState).ok_or(Call::GetFmuState)?,

@@ -1,7 +1,8 @@
-//! Which instance a log message belongs to.
+//! The assignment of log messages to instances.
 //!
-//! Units get a number as their environment, never an address: some hand back another pointer than they were given, some
-//! log after their instance is gone, and neither may make us read where nothing is.
+//! Units get a number as their environment, not an address. Some units pass another pointer than the one they were
+//! given, and some log after their instance was freed: a number is only looked up, so that neither makes us read
+//! invalid memory.
 
 use super::LogSink;
 use crate::board::Note;
@@ -11,31 +12,32 @@ use std::collections::BTreeMap;
 use std::ptr::without_provenance_mut;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// What the logger needs to know about an instance.
+/// What the logger needs from an instance.
 pub struct Environment {
     /// Its index.
     pub instance: usize,
     /// Its name.
     pub name: String,
-    /// Tells the tick.
+    /// Holds the tick of the call in progress.
     pub note: Note,
     /// Names of its variables.
     pub names: Arc<VariableNames>,
-    /// Where its messages go.
+    /// Receives its messages.
     pub sink: LogSink,
 }
 
-/// All live environments by number; the numbers start beyond what a unit might hand back by accident.
+/// The last number used, and all live environments by number. The numbers start above small integers, which a unit
+/// might pass by mistake. A lock is needed because units may log from any thread.
 static LIVE: Mutex<(usize, BTreeMap<usize, Arc<Environment>>)> = Mutex::new((0x10_000, BTreeMap::new()));
 
 fn live() -> MutexGuard<'static, (usize, BTreeMap<usize, Arc<Environment>>)> {
-    // Nothing panics between two statements that belong together.
+    // A poisoned lock is safe to use: no panic can occur between two changes that belong together.
     LIVE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Environment {
-    /// The environment of this number, else that of an instance of this name; if there is none either, any, which still
-    /// knows where messages go, and false.
+    /// The environment with this number, else that of an instance with this name, and true. If neither exists: any
+    /// environment, so that its sink receives the message, and false. `None` if there is no instance.
     pub fn find(handle: ComponentEnvironment, name: &str) -> Option<(Arc<Self>, bool)> {
         let live = live();
         let environments = &live.1;
@@ -48,7 +50,7 @@ impl Environment {
     }
 }
 
-/// Keeps an environment findable; dropped after the instance is freed.
+/// Registers an environment until it is dropped, which happens after the instance is freed.
 #[derive(Debug)]
 pub struct Registration(usize);
 
@@ -61,7 +63,7 @@ impl Registration {
         Self(number)
     }
 
-    /// What the unit gets as its environment.
+    /// The value that the unit gets as its environment.
     pub fn handle(&self) -> ComponentEnvironment {
         without_provenance_mut(self.0)
     }

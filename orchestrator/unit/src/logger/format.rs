@@ -1,16 +1,16 @@
-//! printf formats: which are refused, and how the others are filled in.
+//! Formatting of printf formats that come from a unit, with a check for dangerous ones.
 
 use std::ffi::{CStr, c_char, c_int};
 
-/// Bytes of the first try; most messages are shorter.
+/// The size of the first buffer in bytes; most messages are shorter.
 const FIRST_TRY: usize = 1024;
 
-/// What no message needs: beyond it the text is cut anyway, and a wide field may fill all memory.
+/// The largest buffer: a longer text is cut anyway, and a wide field must not use up the memory.
 const LONGEST: usize = super::LONGEST_TEXT + 4;
 
-/// What a format holds that is not obeyed: `%n`, which writes to memory instead of reading an argument, or a width that
+/// Why a format is refused: it contains `%n`, which writes to memory instead of reading an argument, or a width that
 /// would keep the C library busy for seconds.
-fn hostile(format: &[u8]) -> Option<&'static str> {
+fn refused_because(format: &[u8]) -> Option<&'static str> {
     let mut rest = format;
     while let Some(at) = rest.iter().position(|&byte| byte == b'%') {
         rest = &rest[at + 1..];
@@ -28,10 +28,10 @@ fn hostile(format: &[u8]) -> Option<&'static str> {
     None
 }
 
-/// Fills a format by `print`, which is called once or twice with a buffer and its length as `vsnprintf` is; the result
-/// is the format itself if it is refused or `print` fails.
+/// Formats a message by `print`, which is called like `vsnprintf` with a buffer and its length: once, or twice if the
+/// first buffer is too short. If the format is refused or `print` fails, the result is the format itself.
 pub fn fill(format: &CStr, mut print: impl FnMut(*mut c_char, usize) -> c_int) -> Vec<u8> {
-    if let Some(reason) = hostile(format.to_bytes()) {
+    if let Some(reason) = refused_because(format.to_bytes()) {
         return [format.to_bytes(), b" (format refused: ", reason.as_bytes(), b")"].concat();
     }
     let mut buffer = vec![0_u8; FIRST_TRY];
@@ -41,20 +41,20 @@ pub fn fill(format: &CStr, mut print: impl FnMut(*mut c_char, usize) -> c_int) -
         length = print(buffer.as_mut_ptr().cast(), buffer.len());
     }
     let Ok(length) = usize::try_from(length) else { return format.to_bytes().to_vec() };
-    // The last byte is the closing zero.
+    // The last byte is the terminating zero.
     buffer.truncate(length.min(buffer.len() - 1));
     buffer
 }
 
 #[test]
-fn conversions_to_memory_and_endless_widths_are_refused_and_nothing_else() {
+fn only_conversions_that_write_to_memory_and_very_large_widths_are_refused() {
     for harmless in ["", "%", "100 %", "%%n", "%d\n", "%5.3f n", "%sn", "%-08.3llx n", "%1000d%1000d"] {
-        assert_eq!(hostile(harmless.as_bytes()), None, "{harmless}");
+        assert_eq!(refused_because(harmless.as_bytes()), None, "{harmless}");
     }
     for memory in ["%n", "a %d %hhn", "%%%n", "%1$n", "%-08.*lln", "%d%5n", "% n"] {
-        assert_eq!(hostile(memory.as_bytes()), Some("%n"), "{memory}");
+        assert_eq!(refused_because(memory.as_bytes()), Some("%n"), "{memory}");
     }
-    for endless in ["%2000000000d", "%.1234567f", "%s %-9999999s"] {
-        assert_eq!(hostile(endless.as_bytes()), Some("a width beyond a million"), "{endless}");
+    for wide in ["%2000000000d", "%.1234567f", "%s %-9999999s"] {
+        assert_eq!(refused_because(wide.as_bytes()), Some("a width beyond a million"), "{wide}");
     }
 }

@@ -1,4 +1,4 @@
-//! The logger as a unit in C calls it: variadic, through the function pointer that units get.
+//! The logger as a unit in C calls it: with variable arguments, through the function pointer that units get.
 
 use super::*;
 use crate::board::{Board, BoardLayout, Note};
@@ -7,7 +7,7 @@ use std::ffi::{CString, c_void};
 use std::ptr;
 use std::sync::Mutex;
 
-struct Heard {
+struct CapturedLog {
     registration: Registration,
     messages: Arc<Mutex<Vec<LogMessage>>>,
 }
@@ -16,7 +16,7 @@ fn note() -> Note {
     Board::private(&BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap().note(0)
 }
 
-fn listen(name: &str) -> Heard {
+fn capture(name: &str) -> CapturedLog {
     let messages = Arc::new(Mutex::new(Vec::new()));
     let sink = Arc::clone(&messages);
     let registration = Registration::new(Environment {
@@ -26,10 +26,10 @@ fn listen(name: &str) -> Heard {
         names: Arc::new(VariableNames::default()),
         sink: Arc::new(move |message| sink.lock().unwrap().push(message)),
     });
-    Heard { registration, messages }
+    CapturedLog { registration, messages }
 }
 
-impl Heard {
+impl CapturedLog {
     fn text(&self) -> String {
         self.messages.lock().unwrap().pop().unwrap().text
     }
@@ -37,8 +37,8 @@ impl Heard {
 
 /// Calls the logger variadically, as C does.
 macro_rules! log {
-    ($heard:expr, $format:expr $(, $argument:expr)*) => {{
-        let handle = $heard.registration.handle();
+    ($captured:expr, $format:expr $(, $argument:expr)*) => {{
+        let handle = $captured.registration.handle();
         // SAFETY: the formats below fit their arguments.
         unsafe { LOGGER(handle, c"unit".as_ptr(), 0, c"logAll".as_ptr(), $format.as_ptr() $(, $argument)*) };
     }};
@@ -46,13 +46,13 @@ macro_rules! log {
 
 #[test]
 fn printf_arguments_of_every_kind_arrive() {
-    let heard = listen("printf");
-    log!(heard, c"plain\n");
-    assert_eq!(heard.text(), "plain");
-    log!(heard, c"%d %ld %s %c %5.2f|%-6x|", -3_i32, 1_i64 << 40, c"text".as_ptr(), 65_i32, 2.345_f64, 255_i32);
-    assert_eq!(heard.text(), "-3 1099511627776 text A  2.35|ff    |");
+    let captured = capture("printf");
+    log!(captured, c"plain\n");
+    assert_eq!(captured.text(), "plain");
+    log!(captured, c"%d %ld %s %c %5.2f|%-6x|", -3_i32, 1_i64 << 40, c"text".as_ptr(), 65_i32, 2.345_f64, 255_i32);
+    assert_eq!(captured.text(), "-3 1099511627776 text A  2.35|ff    |");
     log!(
-        heard,
+        captured,
         c"%g %g %g %g %g %g %g %g %g %g %d %d",
         1.0_f64,
         2.0_f64,
@@ -67,69 +67,70 @@ fn printf_arguments_of_every_kind_arrive() {
         11_i32,
         12_i32
     );
-    assert_eq!(heard.text(), "1 2 3 4 5 6 7 8 9 10 11 12");
-    log!(heard, c"%d %d %d %g %s", 1_i32, 2_i32, 3_i32, 0.5_f64, c"end".as_ptr());
-    assert_eq!(heard.text(), "1 2 3 0.5 end");
+    assert_eq!(captured.text(), "1 2 3 4 5 6 7 8 9 10 11 12");
+    log!(captured, c"%d %d %d %g %s", 1_i32, 2_i32, 3_i32, 0.5_f64, c"end".as_ptr());
+    assert_eq!(captured.text(), "1 2 3 0.5 end");
 }
 
 #[test]
-fn long_messages_arrive_whole_and_endless_ones_are_cut() {
-    let heard = listen("long");
+fn long_messages_arrive_complete_and_very_long_ones_are_cut() {
+    let captured = capture("long");
     let long = CString::new("x".repeat(6000)).unwrap();
-    log!(heard, c"<%s>", long.as_ptr());
-    assert_eq!(heard.text(), format!("<{}>", "x".repeat(6000)));
-    let endless = CString::new("é".repeat(70_000)).unwrap();
-    log!(heard, c"%s", endless.as_ptr());
-    let text = heard.text();
+    log!(captured, c"<%s>", long.as_ptr());
+    assert_eq!(captured.text(), format!("<{}>", "x".repeat(6000)));
+    let very_long = CString::new("é".repeat(70_000)).unwrap();
+    log!(captured, c"%s", very_long.as_ptr());
+    let text = captured.text();
     assert!(text.starts_with(&"é".repeat(LONGEST_TEXT / 2)) && text.ends_with(CUT), "{}", text.len());
-    log!(heard, c"%.900000d", 1_i32);
-    assert_eq!(heard.text().trim_start_matches('0'), CUT);
+    log!(captured, c"%.900000d", 1_i32);
+    assert_eq!(captured.text().trim_start_matches('0'), CUT);
 }
 
 #[test]
-fn a_message_whose_category_is_endless_is_no_longer_than_the_board_takes() {
-    let heard = listen("category");
-    let endless = CString::new("\u{e9}".repeat(2 << 20)).unwrap();
-    // SAFETY: no argument is asked for.
-    unsafe { LOGGER(heard.registration.handle(), c"unit".as_ptr(), 0, endless.as_ptr(), endless.as_ptr()) };
-    let message = heard.messages.lock().unwrap().pop().unwrap();
+fn a_message_with_a_very_long_category_fits_on_the_board() {
+    let captured = capture("category");
+    let very_long = CString::new("\u{e9}".repeat(2 << 20)).unwrap();
+    // SAFETY: the format reads no arguments.
+    unsafe { LOGGER(captured.registration.handle(), c"unit".as_ptr(), 0, very_long.as_ptr(), very_long.as_ptr()) };
+    let message = captured.messages.lock().unwrap().pop().unwrap();
     assert!(message.category.ends_with(CUT) && message.text.ends_with(CUT), "{}", message.category.len());
     assert!(postcard::to_stdvec(&message).unwrap().len() <= Board::LONGEST_MESSAGE);
 }
 
 #[test]
-fn a_format_that_writes_memory_is_not_obeyed() {
-    let heard = listen("hostile");
+fn a_format_that_writes_to_memory_is_refused() {
+    let captured = capture("hostile");
     let mut written = 0_i32;
-    log!(heard, c"abc%n", &raw mut written);
-    assert_eq!((heard.text().as_str(), written), ("abc%n (format refused: %n)", 0));
+    log!(captured, c"abc%n", &raw mut written);
+    assert_eq!((captured.text().as_str(), written), ("abc%n (format refused: %n)", 0));
 }
 
 #[test]
 fn nulls_unknown_statuses_and_broken_utf8_become_a_message() {
-    let heard = listen("odd");
-    let handle = heard.registration.handle();
-    // SAFETY: the handler takes NULL for any text.
+    let captured = capture("odd");
+    let handle = captured.registration.handle();
+    // SAFETY: the logger accepts NULL for any text.
     unsafe { LOGGER(handle, ptr::null(), 42, ptr::null(), ptr::null()) };
-    // SAFETY: no argument is asked for.
+    // SAFETY: the format reads no arguments.
     unsafe { LOGGER(handle, ptr::null(), -1, ptr::null(), c"\xff ok".as_ptr()) };
-    let messages = heard.messages.lock().unwrap();
-    let told: Vec<_> = messages.iter().map(|m| (m.instance, m.status, m.category.as_str(), m.text.as_str())).collect();
-    assert_eq!(told, [(Some(4), 42, "", ""), (Some(4), -1, "", "\u{fffd} ok")]);
+    let messages = captured.messages.lock().unwrap();
+    let fields: Vec<_> =
+        messages.iter().map(|m| (m.instance, m.status, m.category.as_str(), m.text.as_str())).collect();
+    assert_eq!(fields, [(Some(4), 42, "", ""), (Some(4), -1, "", "\u{fffd} ok")]);
 }
 
 #[test]
-fn a_wrong_environment_is_recognised_by_the_instances_name() {
-    let heard = listen("lost and found");
+fn a_message_with_a_wrong_environment_is_assigned_by_the_instances_name() {
+    let captured = capture("lost and found");
     let on_the_stack = 0_u8;
     let foreign = (&raw const on_the_stack).cast_mut().cast::<c_void>();
-    // SAFETY: the environment is only ever compared.
+    // SAFETY: the environment is only compared, never dereferenced.
     unsafe { LOGGER(foreign, c"lost and found".as_ptr(), 0, ptr::null(), c"here".as_ptr()) };
-    assert_eq!(heard.messages.lock().unwrap()[0].instance, Some(4));
-    drop(heard.registration);
-    // SAFETY: as above; the instance is gone, and so is its message.
+    assert_eq!(captured.messages.lock().unwrap()[0].instance, Some(4));
+    drop(captured.registration);
+    // SAFETY: as above. The instance is freed, so its sink gets no message.
     unsafe { LOGGER(foreign, c"lost and found".as_ptr(), 0, ptr::null(), c"nobody".as_ptr()) };
-    assert!(heard.messages.lock().unwrap().iter().all(|message| message.text != "nobody"));
+    assert!(captured.messages.lock().unwrap().iter().all(|message| message.text != "nobody"));
 }
 
 #[test]
@@ -141,6 +142,6 @@ fn a_panicking_sink_does_not_reach_the_unit() {
         names: Arc::new(VariableNames::default()),
         sink: Arc::new(|_| panic!("expected by this test")),
     });
-    // SAFETY: no argument is asked for.
+    // SAFETY: the format reads no arguments.
     unsafe { LOGGER(registration.handle(), ptr::null(), 0, ptr::null(), c"text".as_ptr()) };
 }

@@ -1,20 +1,20 @@
-//! The variadic entry of the logger for x86-64 with the System V calling convention.
+//! The variadic logger callback for x86-64 with the System V calling convention.
 //!
-//! Rust 1.95 cannot define a variadic function. This one is a few instructions that save the registers in which variable
-//! arguments may travel, lay out a `va_list` over them on the stack as the convention's section 3.5.7 says, and hand it to
-//! [`handle`] as a sixth argument.
+//! FMI 2.0 defines the logger as a variadic function, and Rust 1.95 cannot define one. The trampoline is a few
+//! instructions of assembly: they save the registers that may hold variable arguments, build a `va_list` for them on
+//! the stack as section 3.5.7 of the convention defines it, and pass its address to [`handle`] as the sixth argument.
 
 use super::{deliver, format};
 use fmi2::c::{CallbackLogger, ComponentEnvironment, RawStatus, Str};
 use std::arch::naked_asm;
 use std::ffi::{CStr, c_char, c_int, c_void};
 
-/// What units get as `logger`.
-// SAFETY: the trampoline takes the five named arguments where the convention has them for a variadic function too, and
-// keeps to the convention with whatever follows.
+/// The function that units get as `logger`.
+// SAFETY: the convention passes the five named arguments of a variadic function in the registers in which `handle`
+// expects them, and the trampoline finds the variable ones where the convention puts them.
 pub const LOGGER: CallbackLogger = unsafe { std::mem::transmute(trampoline as *const c_void) };
 
-/// `va_list` of the convention. C functions take a pointer to it and move its offsets on.
+/// `va_list` of the convention. C functions take a pointer to it and advance its offsets.
 #[derive(Clone, Copy)]
 #[repr(C)]
 struct VaList {
@@ -28,16 +28,19 @@ unsafe extern "C" {
     fn vsnprintf(buffer: *mut c_char, length: usize, format: Str, arguments: *mut VaList) -> c_int;
 }
 
-/// On entry the stack is 8 bytes off a multiple of 16. Below it: `va_list` at 0, saved registers from 32 to 208.
+/// On entry the stack pointer is 8 bytes off a multiple of 16, because the call pushed the return address. A frame of
+/// 216 bytes aligns it again, as the `movaps` instructions and the call need. In the frame: `va_list` at 0, saved
+/// registers from 32 to 208.
 #[unsafe(naked)]
 unsafe extern "C" fn trampoline() {
     naked_asm!(
         ".cfi_startproc",
         "sub rsp, 216",
         ".cfi_adjust_cfa_offset 216",
-        // Five of the six general registers hold the named arguments; the sixth may hold a variable one.
+        // Five of the six general registers hold the named arguments; the sixth, r9, may hold a variable one. Its place
+        // in the register save area is 5 * 8 bytes after the start at 32.
         "mov [rsp + 72], r9",
-        // al says whether vector registers are in use.
+        // The caller sets al to an upper bound of the vector registers in use; at zero they need not be saved.
         "test al, al",
         "je 2f",
         "movaps [rsp + 80], xmm0",
@@ -48,12 +51,14 @@ unsafe extern "C" fn trampoline() {
         "movaps [rsp + 160], xmm5",
         "movaps [rsp + 176], xmm6",
         "movaps [rsp + 192], xmm7",
+        // `va_list`: gp_offset skips the five named arguments, fp_offset is the start of the vector registers.
         "2:",
         "mov dword ptr [rsp], 40",
         "mov dword ptr [rsp + 4], 48",
-        // Behind our frame and the return address.
+        // overflow_arg_area: arguments on the caller's stack, above this frame and the return address.
         "lea rax, [rsp + 224]",
         "mov [rsp + 8], rax",
+        // reg_save_area.
         "lea rax, [rsp + 32]",
         "mov [rsp + 16], rax",
         "mov r9, rsp",
@@ -67,7 +72,7 @@ unsafe extern "C" fn trampoline() {
 }
 
 /// # Safety
-/// The texts are NULL or end in a zero byte, and `arguments` holds what the format `message` asks for.
+/// The texts are NULL or end in a zero byte, and `arguments` holds the arguments that the format `message` reads.
 unsafe extern "C" fn handle(
     environment: ComponentEnvironment,
     name: Str,
@@ -80,15 +85,15 @@ unsafe extern "C" fn handle(
         if message.is_null() {
             return Vec::new();
         }
-        // SAFETY: the caller says so.
+        // SAFETY: guaranteed by the caller.
         let (message, arguments) = unsafe { (CStr::from_ptr(message), *arguments) };
         format::fill(message, |buffer, length| {
-            // A copy for each pass, since a pass uses it up.
+            // `vsnprintf` advances the list, and `fill` may call this twice: each call gets a copy.
             let mut arguments = arguments;
-            // SAFETY: the buffer has this length; that the arguments fit the format is the unit's promise.
+            // SAFETY: the buffer has this length; the unit guarantees that the arguments match the format.
             unsafe { vsnprintf(buffer, length, message.as_ptr(), &raw mut arguments) }
         })
     };
-    // SAFETY: the caller says so.
+    // SAFETY: guaranteed by the caller.
     unsafe { deliver(environment, name, status, category, text) }
 }

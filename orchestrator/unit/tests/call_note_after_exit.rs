@@ -1,4 +1,4 @@
-//! A process that a unit ends, in any way and in any call, leaves a note that names instance, call and tick.
+//! The call note that remains on the board when a unit ends its process: it names instance, call and tick.
 #![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
 
 use fmi2::calls::Call;
@@ -14,20 +14,21 @@ use unit::failure::Doing;
 use unit::instance::{Instance, Setting};
 use unit::library::Library;
 
-const FOLDER: &str = "LAST_WORDS_FOLDER";
+/// The environment variable that names the folder to the child process.
+const FOLDER: &str = "CALL_NOTE_TEST_FOLDER";
 const LAYOUT: BoardLayout = BoardLayout { notes: 1, columns: 1, claims: 0 };
 
-/// What the other test's child process does: a short run over a board.
+/// Not a test: the child process of the tests below runs this, a short run with a board.
 #[test]
 #[ignore = "ends its process"]
-fn run_that_a_unit_ends() {
+fn child_process_that_a_unit_ends() {
     let folder = PathBuf::from(std::env::var_os(FOLDER).unwrap());
     let board = Arc::new(Board::open(&folder.join("board")).unwrap());
     let (description, _) = read_description(&folder.join("foreign.fmu")).unwrap();
     let library = Library::load(&folder.join("unpacked"), &description, &board.note(0), 5).unwrap();
-    let tell = Arc::clone(&board);
+    let log_board = Arc::clone(&board);
     let sink = Arc::new(move |message: unit::logger::LogMessage| {
-        tell.push_message(message.text.as_bytes());
+        log_board.push_message(message.text.as_bytes());
     });
     let note = board.note(0);
     let setting = Setting { name: "tank", index: 5, note: note.clone(), sink, logging_on: true, calls: None };
@@ -50,7 +51,7 @@ fn run_that_a_unit_ends() {
 
 fn start(folder: &Path) -> Child {
     Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "run_that_a_unit_ends", "--ignored", "--nocapture"])
+        .args(["--exact", "child_process_that_a_unit_ends", "--ignored", "--nocapture"])
         .env(FOLDER, folder)
         .stdout(Stdio::null())
         .stderr(Stdio::null())
@@ -58,20 +59,22 @@ fn start(folder: &Path) -> Child {
         .unwrap()
 }
 
-/// Runs a unit to its end, its own or ours; the child's status and the board as it was left.
-fn end(call: &str, how: &str, hangs: bool) -> (ExitStatus, Board) {
+/// Runs a unit in a child process until the unit ends that process; a call that hangs is killed. Returns the exit
+/// status and the board as it was left.
+fn run_to_end(call: &str, how: &str, hangs: bool) -> (ExitStatus, Board) {
     let defines = [format!("MISBEHAVE_CALL={call}"), format!("MISBEHAVE_HOW={how}"), "MISBEHAVE_FROM_S=1.0".into()];
     let defines: Vec<_> = defines.iter().map(String::as_str).collect();
-    let with_time = if ["GET", "SET", "STEP"].contains(&call) { 3 } else { 2 };
-    let (folder, fmu) = Foreign { defines: &defines[..with_time], ..Foreign::default() }.build();
+    let define_count = if ["GET", "SET", "STEP"].contains(&call) { 3 } else { 2 };
+    let (folder, fmu) = Foreign { defines: &defines[..define_count], ..Foreign::default() }.build();
     unpack(&fmu, &folder.path().join("unpacked")).unwrap();
     let board = Board::create(&folder.path().join("board"), &LAYOUT).unwrap();
     let mut child = start(folder.path());
-    let patience = Instant::now() + Duration::from_secs(20);
-    while hangs && board.note(0).read().is_none_or(|call| call.tick < 10) && Instant::now() < patience {
+    let deadline = Instant::now() + Duration::from_secs(20);
+    while hangs && board.note(0).read().is_none_or(|call| call.tick < 10) && Instant::now() < deadline {
         std::thread::sleep(Duration::from_millis(5));
     }
     if hangs {
+        // Time for the call itself: the note is written just before it.
         std::thread::sleep(Duration::from_millis(50));
         child.kill().unwrap();
     }
@@ -79,7 +82,7 @@ fn end(call: &str, how: &str, hangs: bool) -> (ExitStatus, Board) {
 }
 
 #[test]
-fn whatever_ends_the_process_the_note_names_instance_call_and_tick() {
+fn the_note_names_instance_call_and_tick_however_the_process_ends() {
     for (call, how, signal, code, doing, tick) in [
         ("LOAD", "CRASH", Some(11), None, Doing::Load, 0),
         ("INSTANTIATE", "ABORT", Some(6), None, Doing::Call(Call::Instantiate), 0),
@@ -94,10 +97,10 @@ fn whatever_ends_the_process_the_note_names_instance_call_and_tick() {
         ("TERMINATE", "CRASH", Some(11), None, Doing::Call(Call::Terminate), 20),
         ("FREE", "EXIT_0", None, Some(0), Doing::Call(Call::FreeInstance), 20),
     ] {
-        let (status, board) = end(call, how, ["HANG", "SPIN"].contains(&how));
-        let left = board.note(0).read().map(|call| (call.instance, call.doing, call.tick));
+        let (status, board) = run_to_end(call, how, ["HANG", "SPIN"].contains(&how));
+        let note = board.note(0).read().map(|call| (call.instance, call.doing, call.tick));
         assert_eq!((status.signal(), status.code()), (signal, code), "{call} {how}");
-        assert_eq!(left, Some((5, doing, tick)), "{call} {how}");
+        assert_eq!(note, Some((5, doing, tick)), "{call} {how}");
         let mut rows = 0;
         board.pop_rows(|_, _| rows += 1);
         // The row of tick 10 is pushed between the get and the step.
@@ -107,11 +110,11 @@ fn whatever_ends_the_process_the_note_names_instance_call_and_tick() {
 }
 
 #[test]
-fn a_run_that_nothing_ends_finishes_and_its_words_arrive() {
-    let (status, board) = end("NEVER", "CRASH", false);
+fn a_run_without_a_crash_finishes_and_its_log_messages_arrive() {
+    let (status, board) = run_to_end("NEVER", "CRASH", false);
     assert!(status.success());
     assert_eq!(board.note(0).read(), None);
-    let mut words = Vec::new();
-    board.pop_messages(|message| words.push(String::from_utf8_lossy(message).into_owned()));
-    assert_eq!((words.len(), words[20].as_str()), (22, "step 20 of tank: y = 1.756847"));
+    let mut texts = Vec::new();
+    board.pop_messages(|message| texts.push(String::from_utf8_lossy(message).into_owned()));
+    assert_eq!((texts.len(), texts[20].as_str()), (22, "step 20 of tank: y = 1.756847"));
 }
