@@ -1,9 +1,9 @@
-//! What the step loop costs beside a hand-written loop through the same function pointers.
+//! Measures the step loop in comparison with a hand-written loop through the same function pointers.
 //!
 //! `cargo bench -p orchestrator --bench chain` builds trivial units, chains them by `->` and steps the chain by both loops
 //! in turn, nothing recorded. The hand-written loop makes one set, one step and one get for each unit and tick on plain
-//! arrays. Units of the export layer are those that the limit speaks of; units in C, which check and translate nothing,
-//! show the loop's own cost at its plainest. Reported is the time of one step of one unit.
+//! arrays. The limit is meant for units of the export layer. Units in C, which check and convert nothing, show the loop's
+//! own cost. The time of one step of one unit is reported.
 #![expect(unsafe_code, reason = "the hand-written loop calls through raw function pointers, as it must")]
 #![expect(clippy::print_stdout, reason = "this is what a benchmark is for")]
 
@@ -16,7 +16,7 @@ use orchestrator::flatten::wiring::Wiring;
 use orchestrator::run::step_loop::{Checkpoint, LoopOptions, Observer, StepLoop};
 use orchestrator::run::worker::{InProcess, Instantiated, Worker};
 use peer::table::{Row, Table, alternate};
-use peer::{Unit, told};
+use peer::{Unit, to_error};
 use results::verdict::Standing;
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -52,24 +52,24 @@ fn by_loop(unit: &Unit, units: usize, ticks: u64) -> Result<Duration, Box<dyn Er
     let scenario = unit.linked(units, ticks, (1..units).map(|target| (target - 1, target)));
     let wiring = Wiring::new(&scenario, &vec![&unit.description; units], &vec![0; units]);
     let claims = Claims::new(&[], ticks, &mut |port| wiring.place(port));
-    let seatings = unit.instances(units)?.into_iter().enumerate();
-    let seatings = seatings.map(|(index, instance)| Instantiated { index, instance }).collect();
+    let instances = unit.instances(units)?.into_iter().enumerate();
+    let instances = instances.map(|(index, instance)| Instantiated { index, instance }).collect();
     let worker: Box<dyn Worker> =
-        Box::new(InProcess::new(wiring.step_ns, &wiring.groups, &wiring.ports, seatings, unit.board.note(0)));
-    let mut run = StepLoop::new(wiring, claims, vec![worker], LoopOptions::default(), Nobody { board: &unit.board });
+        Box::new(InProcess::new(wiring.step_ns, &wiring.groups, &wiring.ports, instances, unit.board.note(0)));
+    let mut run = StepLoop::new(wiring, claims, vec![worker], LoopOptions::default(), BoardOnly { board: &unit.board });
     let begun = Instant::now();
     let finish = run.run(None);
     let took = begun.elapsed();
-    assert_eq!(finish.map_err(told)?.last_tick, ticks, "the run of the benchmark is complete");
+    assert_eq!(finish.map_err(to_error)?.last_tick, ticks, "the run of the benchmark is complete");
     Ok(took)
 }
 
-/// As in a run, the tick and the wish to stop stand on a board; nothing is recorded.
-struct Nobody<'a> {
+/// Records nothing. As in a run, the tick is written to the board and the request to stop is read there.
+struct BoardOnly<'a> {
     board: &'a Board,
 }
 
-impl Observer for Nobody<'_> {
+impl Observer for BoardOnly<'_> {
     fn reached(&mut self, tick: u64) {
         self.board.set_tick(tick);
     }

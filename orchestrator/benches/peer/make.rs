@@ -1,4 +1,4 @@
-//! Makes the units of the benchmarks, in C and by the export layer.
+//! Builds the units of the benchmarks, in C and with the export layer.
 
 use fmi2::description::write::write;
 use fmi2::description::{
@@ -58,10 +58,10 @@ fn variable(reference: usize, ports: usize) -> Variable {
     }
 }
 
-/// The ports that units of the export layer are made with.
+/// The numbers of ports of the units of the export layer.
 const PORTS: [usize; 2] = [1, 30];
 
-/// Packs `relay.rs.in` with so many ports. Its crate lies in the target folder, so that only the first time takes long.
+/// Packs `relay.rs.in` with so many ports. Its crate is in the target folder, so that only the first build takes long.
 pub fn packed(ports: usize) -> Result<PathBuf, Box<dyn Error>> {
     let workspace = Path::new(env!("CARGO_TARGET_TMPDIR")).join("relays");
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -74,10 +74,10 @@ pub fn packed(ports: usize) -> Result<PathBuf, Box<dyn Error>> {
              [dependencies]\nfmu = {{ path = {fmu:?} }}\nserde = {{ version = \"1\", features = [\"derive\"] }}\n"
         );
         let source = include_str!("relay.rs.in").replace("{{ports}}", &ports.to_string());
-        renew(&workspace.join(name).join("Cargo.toml"), &manifest)?;
-        renew(&workspace.join(name).join("src/lib.rs"), &source)?;
+        write_if_changed(&workspace.join(name).join("Cargo.toml"), &manifest)?;
+        write_if_changed(&workspace.join(name).join("src/lib.rs"), &source)?;
     }
-    renew(&workspace.join("Cargo.toml"), &format!("[workspace]\nresolver = \"3\"\nmembers = {names:?}\n"))?;
+    write_if_changed(&workspace.join("Cargo.toml"), &format!("[workspace]\nresolver = \"3\"\nmembers = {names:?}\n"))?;
     if !workspace.join("Cargo.lock").exists() {
         fs::copy(here.join("../Cargo.lock"), workspace.join("Cargo.lock"))?;
     }
@@ -85,8 +85,8 @@ pub fn packed(ports: usize) -> Result<PathBuf, Box<dyn Error>> {
     Ok(pack::pack(&unit, &library_description, &unit.archive())?)
 }
 
-/// Writes a file unless it says so already: cargo builds what is newer.
-fn renew(path: &Path, text: &str) -> std::io::Result<()> {
+/// Writes a file unless it has this content: cargo would rebuild a file with a newer time.
+fn write_if_changed(path: &Path, text: &str) -> std::io::Result<()> {
     if fs::read_to_string(path).is_ok_and(|present| present == text) {
         return Ok(());
     }

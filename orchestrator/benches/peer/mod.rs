@@ -1,4 +1,4 @@
-//! What the benchmarks compare with: a loop over units that cost next to nothing, written by hand.
+//! The hand-written loop over units of almost no cost, with which the benchmarks compare.
 
 mod make;
 pub mod table;
@@ -23,7 +23,7 @@ use unit::time::seconds;
 /// The communication step of all benchmarks.
 pub const STEP_NS: u64 = 1_000_000;
 
-/// What scenarios call the unit.
+/// The unit's name in scenarios.
 pub const UNIT: &str = "linked";
 /// The folder of the unpacked unit.
 const UNPACKED: &str = "unit";
@@ -40,7 +40,7 @@ pub struct Unit {
 }
 
 impl Unit {
-    /// A unit in C: the least that a unit can do.
+    /// A unit in C, of the least possible cost.
     pub fn in_c(ports: usize) -> Result<Self, Box<dyn Error>> {
         let folder = tempfile::tempdir()?;
         let description = make::in_c(ports, &folder.path().join(UNPACKED))?;
@@ -65,7 +65,7 @@ impl Unit {
         Ok(Self { inputs, outputs, description, library: Arc::new(library), board, folder })
     }
 
-    /// Where it lies unpacked.
+    /// The folder of the unpacked unit.
     pub fn folder(&self) -> PathBuf {
         self.folder.path().join(UNPACKED)
     }
@@ -81,7 +81,7 @@ impl Unit {
             instance.enter_initialization_mode(&note.at(0, 0.0))?;
             Ok(instance)
         };
-        (0..count).map(make).collect::<Result<_, Failure>>().map_err(told)
+        (0..count).map(make).collect::<Result<_, Failure>>().map_err(to_error)
     }
 
     /// So many instances for so many ticks, all outputs of a source linked to all inputs of its target by `->`.
@@ -117,20 +117,20 @@ impl Unit {
 
     /// Steps a chain by one set, one step and one get for each unit and tick, on plain arrays.
     pub fn by_hand(&self, units: usize, ticks: u64) -> Result<Duration, Box<dyn Error>> {
-        self.by_hand_telling(units, ticks, |_, _| Ok(()))
+        self.by_hand_with(units, ticks, |_, _| Ok(()))
     }
 
-    /// The same, and tells time and outputs of each tick.
-    pub fn by_hand_telling(
+    /// The same; `visit` gets time and outputs of each tick.
+    pub fn by_hand_with(
         &self,
         units: usize,
         ticks: u64,
-        mut tell: impl FnMut(f64, &[f64]) -> io::Result<()>,
+        mut visit: impl FnMut(f64, &[f64]) -> io::Result<()>,
     ) -> Result<Duration, Box<dyn Error>> {
         let mut instances = self.instances(units)?;
         let note = self.board.note(0);
         for instance in &mut instances {
-            instance.exit_initialization_mode(&note.at(0, 0.0)).map_err(told)?;
+            instance.exit_initialization_mode(&note.at(0, 0.0)).map_err(to_error)?;
         }
         let functions = *self.library.functions();
         let components: Vec<_> = instances.iter().map(Instance::component).collect();
@@ -147,7 +147,7 @@ impl Unit {
             let time_s = seconds(tick, STEP_NS);
             let links = (units - 1) * count;
             input_values[count..].copy_from_slice(&output_values[..links]);
-            tell(time_s, &output_values)?;
+            visit(time_s, &output_values)?;
             for (index, &component) in components.iter().enumerate() {
                 let at = index * count;
                 let (set, get) = (&input_values[at..at + count], &mut output_values[at..at + count]);
@@ -165,7 +165,7 @@ impl Unit {
     }
 }
 
-/// A failure in the words of a benchmark that cannot go on.
-pub fn told(failure: Failure) -> Box<dyn Error> {
+/// Converts a failure into an error that ends the benchmark.
+pub fn to_error(failure: Failure) -> Box<dyn Error> {
     failure.to_string().into()
 }

@@ -1,16 +1,16 @@
-//! Measures two things in turn, and prints what came of it.
+//! Measures two operations in turn and prints the results as a table.
 
 use std::error::Error;
 use std::time::Duration;
 
-/// What a comparison came to.
+/// The result of a comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Median, in seconds.
     pub ours_s: f64,
     /// Median, in seconds.
     pub peer_s: f64,
-    /// Median of the ratios of neighbours, which a machine that is busy for a while disturbs least.
+    /// Median of the ratios of neighbouring measurements; a temporary load of the machine affects both of a pair alike.
     pub ratio: f64,
 }
 
@@ -41,9 +41,9 @@ pub fn alternate(
     Ok(Row { ours_s, peer_s, ratio: median(&|pair| pair.0 / pair.1) })
 }
 
-/// Rows under one heading, printed as they come: those whose name holds the word that follows `--` on the command line.
+/// Rows under one heading, printed as they are measured: those whose name contains the argument after `--` of the command.
 pub struct Table {
-    word: String,
+    filter: String,
 }
 
 impl Table {
@@ -51,18 +51,18 @@ impl Table {
     pub fn begin(title: &str) -> Self {
         println!("{title:<58} {:>10} {:>10} {:>7} {:>6}", "ours", "peer", "ratio", "limit");
         // cargo adds options of its own.
-        let word = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
-        Self { word: word.unwrap_or_default() }
+        let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+        Self { filter: filter.unwrap_or_default() }
     }
 
-    /// Measures and prints a row, if it is wanted; a limit is what the ratio may be at most.
+    /// Measures and prints a row if it is selected; `limit` is the largest ratio that is acceptable.
     pub fn row(
         &self,
         name: &str,
         limit: Option<f64>,
         measure: impl FnOnce() -> Result<Row, Box<dyn Error>>,
     ) -> Result<Option<Row>, Box<dyn Error>> {
-        if !name.contains(&self.word) {
+        if !name.contains(&self.filter) {
             return Ok(None);
         }
         let row = measure()?;

@@ -1,4 +1,4 @@
-/* A unit that costs next to nothing: each y[i] is half of u[i] plus one. PORTS says how many there are of each.
+/* A unit of almost no cost: each y[i] is half of u[i] plus one. PORTS is the number of inputs and of outputs.
  * Value references: u from 0, y from PORTS. */
 #include <stddef.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-//! Processes that send back what they get, over raw sockets and over zenoh.
+//! Processes that send back what they receive, over raw sockets and over zenoh.
 
 use std::error::Error;
 use std::io::{Read, Write};
@@ -16,28 +16,28 @@ use zenoh::{Config, Session, Wait};
 
 /// Blocking sockets.
 pub const RAW: &str = "raw";
-/// zenoh, a put and a callback each handle.
+/// zenoh with one put and one callback for each direction.
 pub const BARE: &str = "bare";
-/// The longest that a link of low latency is given at once.
+/// The longest piece of a message; zenoh's low-latency transport does not split messages itself.
 const PIECE: usize = 40 << 10;
 
-/// A handle to one process and back.
-enum Line {
+/// The connection to one process.
+enum Connection {
     Raw(UnixStream),
-    Bare { _session: Session, to: Publisher<'static>, _from: Subscriber<()>, event: Receiver<ZBytes> },
+    Bare { _session: Session, to: Publisher<'static>, _from: Subscriber<()>, received: Receiver<ZBytes> },
 }
 
-/// Processes that send back what they get.
+/// Child processes that send back what they receive.
 pub struct Echoes {
     children: Vec<Child>,
-    lines: Vec<Line>,
+    connections: Vec<Connection>,
     message: Vec<u8>,
     buffer: Vec<u8>,
     _home: TempDir,
 }
 
 impl Echoes {
-    /// Starts so many, for messages of so many bytes.
+    /// Starts so many processes, for messages of so many bytes.
     pub fn start(kind: &str, count: usize, bytes: usize) -> Result<Self, Box<dyn Error>> {
         let home = tempfile::tempdir()?;
         let place = |number: usize| -> PathBuf { home.path().join(format!("{number}.sock")) };
@@ -51,29 +51,29 @@ impl Echoes {
             }
             sleep(Duration::from_millis(50));
             if kind == RAW {
-                UnixStream::connect(place(number)).map(Line::Raw).map_err(Into::into)
+                UnixStream::connect(place(number)).map(Connection::Raw).map_err(Into::into)
             } else {
-                call(&place(number))
+                connect_zenoh(&place(number))
             }
         };
-        let lines = (0..count).map(connect).collect::<Result<_, Box<dyn Error>>>()?;
-        Ok(Self { children, lines, message: vec![7; bytes], buffer: vec![0; bytes], _home: home })
+        let connections = (0..count).map(connect).collect::<Result<_, Box<dyn Error>>>()?;
+        Ok(Self { children, connections, message: vec![7; bytes], buffer: vec![0; bytes], _home: home })
     }
 
-    /// So many rounds: a message to each, then one from each.
+    /// Measures so many rounds: a message to each process, then one from each.
     pub fn block(&mut self, rounds: u64) -> Result<Duration, Box<dyn Error>> {
         let begun = Instant::now();
         for _ in 0..rounds {
-            for line in &mut self.lines {
-                match line {
-                    Line::Raw(stream) => stream.write_all(&self.message)?,
-                    Line::Bare { to, .. } => put(to, &self.message)?,
+            for connection in &mut self.connections {
+                match connection {
+                    Connection::Raw(stream) => stream.write_all(&self.message)?,
+                    Connection::Bare { to, .. } => put(to, &self.message)?,
                 }
             }
-            for line in &mut self.lines {
-                match line {
-                    Line::Raw(stream) => stream.read_exact(&mut self.buffer)?,
-                    Line::Bare { event, .. } => join(&event.recv()?, event, &mut self.buffer)?,
+            for connection in &mut self.connections {
+                match connection {
+                    Connection::Raw(stream) => stream.read_exact(&mut self.buffer)?,
+                    Connection::Bare { received, .. } => join(&received.recv()?, received, &mut self.buffer)?,
                 }
             }
         }
@@ -90,8 +90,8 @@ impl Drop for Echoes {
     }
 }
 
-/// Sends back messages of so many bytes that come to a socket, each when it is whole, until whoever asks is gone or kills
-/// this process.
+/// Sends back messages of so many bytes that arrive at a socket, each when it is complete, until the benchmark disconnects
+/// or kills this process.
 pub fn serve(kind: &str, bytes: usize, place: &Path) -> Result<(), Box<dyn Error>> {
     if kind == RAW {
         let (mut stream, _) = UnixListener::bind(place)?.accept()?;
@@ -102,24 +102,24 @@ pub fn serve(kind: &str, bytes: usize, place: &Path) -> Result<(), Box<dyn Error
         return Ok(());
     }
     let session = open("peer", "listen", place)?;
-    let (heard_here, event) = channel();
-    let _from = subscribe(&session, "echo/do", heard_here)?;
+    let (sender, received) = channel();
+    let _from = subscribe(&session, "echo/do", sender)?;
     let to = publish(&session, "echo/done")?;
     let mut message = vec![0; bytes];
     loop {
-        // Whoever calls asks first, by single bytes.
-        let first = event.recv()?;
+        // Before the rounds, single bytes probe whether the subscription is in effect.
+        let first = received.recv()?;
         if first.len() == 1 {
             to.put(first).wait().map_err(|error| error.to_string())?;
         } else {
-            join(&first, &event, &mut message)?;
+            join(&first, &received, &mut message)?;
             put(&to, &message)?;
         }
     }
 }
 
-/// Waits for the rest of a message.
-fn join(first: &ZBytes, event: &Receiver<ZBytes>, message: &mut [u8]) -> Result<(), Box<dyn Error>> {
+/// Waits for the remaining pieces of a message.
+fn join(first: &ZBytes, received: &Receiver<ZBytes>, message: &mut [u8]) -> Result<(), Box<dyn Error>> {
     let mut filled = 0;
     let mut add = |piece: &ZBytes| {
         message[filled..filled + piece.len()].copy_from_slice(&piece.to_bytes());
@@ -128,28 +128,28 @@ fn join(first: &ZBytes, event: &Receiver<ZBytes>, message: &mut [u8]) -> Result<
     };
     let mut is_more = add(first);
     while is_more {
-        is_more = add(&event.recv()?);
+        is_more = add(&received.recv()?);
     }
     Ok(())
 }
 
-/// Puts a message in pieces that the link takes.
+/// Sends a message in pieces that the transport accepts.
 fn put(to: &Publisher<'static>, message: &[u8]) -> Result<(), Box<dyn Error>> {
     let mut pieces = message.chunks(PIECE);
     Ok(pieces.try_for_each(|piece| to.put(piece).wait()).map_err(|error| error.to_string())?)
 }
 
-fn call(place: &Path) -> Result<Line, Box<dyn Error>> {
+fn connect_zenoh(place: &Path) -> Result<Connection, Box<dyn Error>> {
     let session = open("client", "connect", place)?;
-    let (heard_here, event) = channel();
-    let from = subscribe(&session, "echo/done", heard_here)?;
+    let (sender, received) = channel();
+    let from = subscribe(&session, "echo/done", sender)?;
     let to = publish(&session, "echo/do")?;
-    // A put that nobody hears succeeds: it is repeated until it comes back, and what came back too often is thrown away.
-    while event.recv_timeout(Duration::from_millis(100)).is_err() {
+    // A put without a subscriber succeeds and is lost. So it is repeated until it comes back; further echoes are discarded.
+    while received.recv_timeout(Duration::from_millis(100)).is_err() {
         to.put([1]).wait().map_err(|error| error.to_string())?;
     }
-    while event.recv_timeout(Duration::from_millis(200)).is_ok() {}
-    Ok(Line::Bare { _session: session, to, _from: from, event })
+    while received.recv_timeout(Duration::from_millis(200)).is_ok() {}
+    Ok(Connection::Bare { _session: session, to, _from: from, received })
 }
 
 fn open(mode: &str, direction: &str, place: &Path) -> Result<Session, Box<dyn Error>> {

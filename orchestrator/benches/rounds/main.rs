@@ -1,9 +1,9 @@
-//! What a round of an isolated run costs: beside raw sockets, and beside zenoh with nothing around it.
+//! Measures a round of orders of an isolated run in comparison with raw sockets and with zenoh alone.
 //!
 //! `cargo bench -p orchestrator --bench rounds` orders a step of so many workers, each in a process of its own with a unit
-//! that does nothing, and awaits all replies. In turn with that, processes that send back what they get: over blocking
-//! sockets of the same kind, and over zenoh sessions with the same settings, a put and a callback each handle for each piece
-//! that such a link takes. Messages have the same length everywhere. Reported is the time of one round of all workers.
+//! that does nothing, and awaits all replies. In turn with that it measures processes that send back what they receive: over
+//! blocking sockets of the same kind, and over zenoh sessions with the same settings, with one put and one callback for each
+//! piece in each direction. Messages have the same length everywhere. The time of one round of all workers is reported.
 #![expect(clippy::print_stdout, reason = "this is what a benchmark is for")]
 
 mod echo;
@@ -19,7 +19,7 @@ use orchestrator::run::message::MessageSink;
 use orchestrator::run::run_spec::{RunSpec, UnitSpec};
 use orchestrator::run::worker::{Order, Shutdown, Worker};
 use peer::table::{Table, alternate};
-use peer::{Unit, told};
+use peer::{Unit, to_error};
 use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
@@ -28,8 +28,8 @@ use std::time::{Duration, Instant};
 const BLOCKS: usize = 31;
 /// Rounds in one block.
 const ROUNDS: u64 = 200;
-/// Bytes of a message besides its Reals: header and the head of its one block.
-const AROUND: usize = 64;
+/// Bytes of a message besides its Reals: its header and the header of its one block.
+const OVERHEAD: usize = 64;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn rows(table: &Table, ports: usize, workers: usize, beside_raw: f64) -> Result<(), Box<dyn Error>> {
     let unit = Unit::in_c(ports)?;
     let spec = spec(&unit, workers);
-    let bytes = AROUND + 8 * ports;
+    let bytes = OVERHEAD + 8 * ports;
     let each = |row: peer::table::Row| row.each(ROUNDS);
     let name = |peer: &str| format!("{workers} workers, {bytes} B each way, beside {peer}");
     for (peer, kind, limit) in [("raw sockets", echo::RAW, beside_raw), ("bare zenoh", echo::BARE, 1.25)] {
@@ -82,10 +82,10 @@ impl<'a> Rounds<'a> {
         let program = Path::new(env!("CARGO_BIN_EXE_lockstep"));
         let workers = WorkerSet::start(program, home.path(), count, Some(Duration::from_secs(10)))?;
         let sink: MessageSink = Arc::new(|_| {});
-        let mut workers = workers.initialize(spec, &wiring, &sink).map_err(told)?;
+        let mut workers = workers.initialize(spec, &wiring, &sink).map_err(to_error)?;
         let mut outputs = wiring.outputs.clone();
         for worker in &mut workers {
-            worker.start(&mut outputs).map_err(|lost| told(lost.failure))?;
+            worker.start(&mut outputs).map_err(|lost| to_error(lost.failure))?;
         }
         Ok(Self { workers, wiring, tick: 0, _home: home })
     }
@@ -97,10 +97,10 @@ impl<'a> Rounds<'a> {
             let mut tickets = Vec::with_capacity(self.workers.len());
             for (group, worker) in self.workers.iter_mut().enumerate() {
                 let order = Order { group, tick, inputs: &self.wiring.inputs };
-                tickets.push(worker.order(&order).map_err(|lost| told(lost.failure))?);
+                tickets.push(worker.order(&order).map_err(|lost| to_error(lost.failure))?);
             }
             for (worker, ticket) in self.workers.iter_mut().zip(tickets) {
-                worker.reply(ticket, tick + 1, &mut outputs).map_err(|lost| told(lost.failure))?;
+                worker.reply(ticket, tick + 1, &mut outputs).map_err(|lost| to_error(lost.failure))?;
             }
         }
         self.tick += ROUNDS;
@@ -109,13 +109,13 @@ impl<'a> Rounds<'a> {
 
     fn end(mut self) -> Result<(), Box<dyn Error>> {
         let finish = |worker: &mut Box<dyn Worker + 'a>| worker.finish(self.tick, Shutdown::Orderly);
-        self.workers.iter_mut().try_for_each(finish).map_err(|lost| told(lost.failure))
+        self.workers.iter_mut().try_for_each(finish).map_err(|lost| to_error(lost.failure))
     }
 }
 
-/// So many instances whose inputs and outputs all travel.
+/// A run of so many instances, all of whose inputs and outputs are transferred.
 fn spec(unit: &Unit, count: usize) -> RunSpec {
-    // Each is fed by the next, the last by the first.
+    // The inputs of each are connected to the outputs of the next, those of the last to the first.
     let scenario = unit.linked(count, u64::MAX, (0..count).map(|target| ((target + 1) % count, target)));
     let (description, sha256) = (unit.description.clone(), String::new());
     let units = vec![UnitSpec { name: peer::UNIT.to_owned(), folder: unit.folder(), description, sha256 }];

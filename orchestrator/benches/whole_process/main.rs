@@ -1,9 +1,12 @@
-//! What a run costs from the command line to its files, beside a hand-written loop, real time and patience.
+//! Measures whole runs from the command line to the files, in comparison with a hand-written loop and with real time.
 //!
-//! `cargo bench -p orchestrator --bench whole_process` runs the built `lockstep` on chains of units of the export layer,
-//! recording nothing and everything, in turn with the hand-written loop over the same units, which itself writes nothing,
-//! or the same numbers, and with what that writing costs the loop; then `first_flight`, in one process and with a process for each instance; then the shortest runs,
-//! and what memory a worker takes; then flights that can be watched, and such as are, beside themselves without `--live`. The one who watches is a Python program in `.venv`, which `tests/run` makes.
+//! `cargo bench -p orchestrator --bench whole_process` runs the built `lockstep`:
+//! - on chains of units of the export layer, recording nothing and everything, in turn with the hand-written loop over the
+//!   same units, which writes nothing or the same numbers; the cost of that writing to the loop is measured too;
+//! - on `first_flight`, in one process and with a process for each instance, and on the shortest runs;
+//! - for the memory of a worker;
+//! - with `--live`, without and with a subscriber, in comparison with the same run without `--live`. The subscriber is a
+//!   Python program in `.venv`, which `tests/run` makes.
 #![expect(unsafe_code, reason = "the hand-written loop calls through raw function pointers, as it must")]
 #![expect(clippy::print_stdout, reason = "this is what a benchmark is for")]
 
@@ -36,12 +39,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         chains(&table, folder.path(), ports, unrecorded, recorded)?;
     }
     let table = Table::begin("\na run as a user sees it");
-    as_seen(&table, folder.path())?;
+    user_runs(&table, folder.path())?;
     let table = Table::begin("\na run that can be watched, beside one that cannot");
     watched(&table, folder.path())
 }
 
-/// Chains of units with so many ports, that run for so many ticks without a trace and with one.
+/// Measures chains of units with so many ports, for so many ticks without a trace and with one.
 fn chains(table: &Table, folder: &Path, ports: usize, unrecorded: u64, recorded: u64) -> Result<(), Box<dyn Error>> {
     let (archive, unit) = (packed(ports)?, Unit::exported(ports)?);
     let run = |ticks, arguments: &[&str]| {
@@ -64,13 +67,13 @@ fn chains(table: &Table, folder: &Path, ports: usize, unrecorded: u64, recorded:
     Ok(())
 }
 
-/// The hand-written loop writes the numbers that `lockstep run` writes: time, and both ends of all connections. They are
-/// equal, so it makes the text of each number once, the least that can be done.
+/// The hand-written loop writes the numbers that `lockstep run` writes: time, and both ends of all connections. The two ends
+/// are equal, so it formats each number once: the least possible work.
 fn by_hand_recorded(unit: &Unit, ticks: u64, trace: &Path) -> Took {
     let mut out = BufWriter::with_capacity(1 << 18, File::create(trace)?);
     let links = (UNITS - 1) * unit.inputs.len();
     let mut text = Vec::new();
-    unit.by_hand_telling(UNITS, ticks, |time_s, outputs| {
+    unit.by_hand_with(UNITS, ticks, |time_s, outputs| {
         let mut digits = zmij::Buffer::new();
         out.write_all(digits.format(time_s).as_bytes())?;
         text.clear();
@@ -84,8 +87,8 @@ fn by_hand_recorded(unit: &Unit, ticks: u64, trace: &Path) -> Took {
     })
 }
 
-/// What a user waits for.
-fn as_seen(table: &Table, folder: &Path) -> Result<(), Box<dyn Error>> {
+/// Measures runs as a user waits for them.
+fn user_runs(table: &Table, folder: &Path) -> Result<(), Box<dyn Error>> {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize()?;
     let run = |script: &Path| lockstep(script, &repository, &[]);
     let of = |peer_s: f64| move || Ok(Duration::from_secs_f64(peer_s));
@@ -116,7 +119,7 @@ fn as_seen(table: &Table, folder: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What the system counts for the last worker of a run: all of its pages, and those that nobody shares with it.
+/// The memory of the last worker of a run: all of its pages, and those that it shares with no other process.
 fn memory_of_a_worker(script: &Path, from: &Path) -> Result<String, Box<dyn Error>> {
     let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("whole_process");
     let mut run = Command::new(env!("CARGO_BIN_EXE_lockstep"))
@@ -129,50 +132,50 @@ fn memory_of_a_worker(script: &Path, from: &Path) -> Result<String, Box<dyn Erro
         .spawn()?;
     sleep(Duration::from_secs(3));
     let children = fs::read_to_string(format!("/proc/{0}/task/{0}/children", run.id()))?;
-    let told =
+    let rollup =
         children.split_whitespace().last().map(|worker| fs::read_to_string(format!("/proc/{worker}/smaps_rollup")));
     run.kill()?;
     run.wait()?;
-    let told = told.ok_or("the run has no workers")??;
+    let rollup = rollup.ok_or("the run has no workers")??;
     let megabytes = |key: &str| -> f64 {
         let lines =
-            told.lines().filter_map(|line| line.strip_prefix(key)?.split_whitespace().next()?.parse::<f64>().ok());
+            rollup.lines().filter_map(|line| line.strip_prefix(key)?.split_whitespace().next()?.parse::<f64>().ok());
         lines.sum::<f64>() / 1024.0
     };
     let own = megabytes("Private_Clean:") + megabytes("Private_Dirty:");
     Ok(format!("{:.1} MB resident, {own:.1} MB its own", megabytes("Rss:")))
 }
 
-/// What it costs to let others watch, where each tick is a round of messages anyway and where it is a few calls.
+/// Measures the cost of live values, where a tick is a few calls and where it is a round of messages anyway.
 fn watched(table: &Table, folder: &Path) -> Result<(), Box<dyn Error>> {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize()?;
     let script = folder.join("long_flight.scn");
     let flight = fs::read_to_string(repository.join("scenarios/first_flight.scn"))?;
-    for (words, placement, stop) in [("", None, "stop 840 s"), (", --isolate", Some("--isolate"), "stop 84 s")] {
+    for (suffix, placement, stop) in [("", None, "stop 840 s"), (", --isolate", Some("--isolate"), "stop 84 s")] {
         fs::write(&script, flight.replace("stop 84 s", stop))?;
         let with = |option: Option<&str>| {
             let arguments: Vec<_> = placement.into_iter().chain(option).collect();
             lockstep(&script, &repository, &arguments)
         };
-        let nobody = || alternate(BLOCKS, || with(Some("--live")), || with(None));
-        table.row(&format!("nobody watches{words}"), Some(1.05), nobody)?;
+        let without_subscriber = || alternate(BLOCKS, || with(Some("--live")), || with(None));
+        table.row(&format!("nobody watches{suffix}"), Some(1.05), without_subscriber)?;
         let endpoint = format!("unixsock-stream/{}", folder.join("watch.sock").display());
         let option = format!("--live={endpoint}");
-        let somebody = || {
+        let with_subscriber = || {
             let watcher = RefCell::new(Watcher::start(&repository, &endpoint)?);
-            let seen = || {
+            let run = || {
                 let took = with(Some(&option))?;
                 watcher.borrow_mut().await_run()?;
                 Ok(took)
             };
-            alternate(BLOCKS, seen, || with(None))
+            alternate(BLOCKS, run, || with(None))
         };
-        table.row(&format!("one watches{words}"), Some(1.35), somebody)?;
+        table.row(&format!("one watches{suffix}"), Some(1.35), with_subscriber)?;
     }
     Ok(())
 }
 
-/// A process that watches each run that comes; killed when dropped.
+/// A process that subscribes to each run at an endpoint; killed when dropped.
 struct Watcher {
     process: Child,
     runs: BufReader<ChildStdout>,
@@ -193,7 +196,7 @@ impl Watcher {
         Ok(Self { process, runs: BufReader::new(runs) })
     }
 
-    /// Waits until it has seen a run that it did not know.
+    /// Waits until it has received a message of a new run.
     fn await_run(&mut self) -> Result<(), Box<dyn Error>> {
         let read = self.runs.read_line(&mut String::new())?;
         if read == 0 { Err("the one who watches is gone".into()) } else { Ok(()) }
@@ -219,7 +222,7 @@ fn chain(unit: &Path, ticks: u64) -> Result<String, Box<dyn Error>> {
     Ok(script)
 }
 
-/// Runs a script from a folder; its results go away before the next run begins.
+/// Runs a script from a folder; its results are removed before the next run begins.
 fn lockstep(script: &Path, from: &Path, arguments: &[&str]) -> Took {
     let out: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join("whole_process");
     if out.exists() {
@@ -236,6 +239,6 @@ fn lockstep(script: &Path, from: &Path, arguments: &[&str]) -> Took {
         .stdin(Stdio::null())
         .output()?;
     let took = begun.elapsed();
-    // Without a claim, or with claims that hold.
+    // The exit code is 0 if all claims hold or there are none.
     if run.status.success() { Ok(took) } else { Err(String::from_utf8_lossy(&run.stderr).into()) }
 }

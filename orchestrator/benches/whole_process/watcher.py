@@ -1,4 +1,4 @@
-"""Watches whatever run listens at an endpoint, again and again; prints the name of each run that it sees.
+"""Subscribes to all runs that listen at an endpoint, one after the other; prints the name of each.
 
     watcher.py ENDPOINT
 """
@@ -13,8 +13,8 @@ connect = {"endpoints": [sys.argv[1]], "timeout_ms": -1, "retry": retry}
 with zenoh.open(zenoh.Config.from_json5(json.dumps({"mode": "client", "connect": connect}))) as session:
     subscriber = session.declare_subscriber("lockstep/**")
     last = None
-    for said in subscriber:
-        run = json.loads(said.payload.to_string())["run"]
+    for sample in subscriber:
+        run = json.loads(sample.payload.to_string())["run"]
         if run != last:
             print(run, flush=True)
         last = run

@@ -1,9 +1,16 @@
 //! The link between the coordinator and one worker: a zenoh session at each end, one key there and one back.
 //!
-//! Callbacks only hand over what they got; whoever waits does so in a thread of its own. The link is one of low latency:
-//! what is sent goes into the socket in the thread that sends it, so that nobody has to be woken for it. That has no limit
-//! of time, so what the socket towards a worker may have no room for goes by a thread of its own. A worker waits for room
-//! as long as it takes: its coordinator may be suspended, and if it is gone so is the link.
+//! Callbacks run in zenoh's threads, which must not block; they only pass messages to a channel, and the receiver waits
+//! there in its own thread.
+//!
+//! The sessions use zenoh's low-latency transport: the sending thread itself writes to the socket. No sender thread has
+//! to be woken, which would take longer than the message itself. This transport has two limits that this module works
+//! around:
+//! - It does not split messages: the receiver closes the link at one that is longer than its buffer. Hence [`pieces`].
+//! - A write blocks without a time limit while the socket is full. The coordinator must notice a worker that is stopped
+//!   or hangs, so it sends what may not fit from a separate thread and checks the worker meanwhile.
+//!
+//! A worker's write may block for any time: its coordinator may be suspended, and a coordinator that ends closes the link.
 
 mod pieces;
 mod reasons;
@@ -27,27 +34,30 @@ use zenoh::{Config, Session, Wait};
 
 /// The longest message; states of units are the longest.
 pub const LONGEST_MESSAGE: usize = 64 << 20;
-/// How long a lively end may be silent. Both ends are on this host: the socket of a dead one closes at once, and a run
-/// that somebody suspends must go on afterwards, so this is longer than anybody's pause.
+/// zenoh closes a link on which nothing arrives for so long. The lease is not needed to detect a dead end: both ends are
+/// on this host, where the socket of a dead process closes at once. A suspended run (Ctrl-Z) sends nothing either and must
+/// continue after `fg`, so the lease is longer than any pause of a user.
 const LEASE_MS: u64 = 24 * 3600 * 1000;
-/// A message that the socket towards a worker has room for, whatever the worker does, as it has answered all before: Linux
-/// gives a socket 208 kB, unless `net.core.wmem_default` is lowered.
-const BUFFERED: usize = 128 << 10;
-/// How often somebody who waits for room looks around.
-const LOOK: Duration = Duration::from_millis(50);
-/// How long closing may take.
-const FAREWELL: Duration = Duration::from_secs(1);
-/// Said by a worker once orders reach it.
-const READY: &str = "lockstep/alive/worker";
+/// The longest message that is written in the caller's thread. Such a write does not block even if the worker has stopped
+/// reading: the worker has answered all earlier orders, so the socket's buffer is empty, and Linux gives it 208 kB unless
+/// `net.core.wmem_default` is lowered.
+const DIRECT_SEND_LIMIT: usize = 128 << 10;
+/// The time between two checks of a worker whose socket is full.
+const CHECK_PERIOD: Duration = Duration::from_millis(50);
+/// How long closing a session may take.
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
+/// The liveliness token that a worker declares after its subscription: the coordinator sees the token only when orders
+/// reach the worker. zenoh drops a message to a key without a subscriber, so nothing is sent before.
+const READY_KEY: &str = "lockstep/alive/worker";
 
 /// What the other end did.
 #[derive(Debug)]
 pub enum LinkEvent {
     /// It sent a message.
     Message(Vec<u8>),
-    /// It hears what is sent now.
+    /// It receives what is sent from now on.
     Ready,
-    /// It is gone.
+    /// It closed the link, or its process ended.
     Gone,
 }
 
@@ -66,37 +76,37 @@ impl Drop for Link {
     }
 }
 
-/// The worker's end before the coordinator called.
+/// The worker's end: it receives orders of the coordinator that connects to its socket.
 #[derive(Debug)]
-pub struct Listening {
+pub struct LinkListener {
     session: Session,
     subscription: Subscriber<()>,
-    /// Alive as long as this end is.
+    /// Withdrawn when dropped, which the coordinator receives as [`LinkEvent::Gone`].
     _token: LivelinessToken,
-    calls: Receiver<(String, Vec<u8>)>,
+    orders: Receiver<(String, Vec<u8>)>,
 }
 
 impl Link {
-    /// Calls the worker that listens on a socket, once.
+    /// Connects to the worker that listens on a socket, in one attempt.
     ///
     /// # Errors
-    /// What could not be done within this time.
-    pub fn connect(socket: &Path, run: &str, patience: Duration) -> Result<Self, String> {
+    /// There is no connection within this time.
+    pub fn connect(socket: &Path, run: &str, timeout: Duration) -> Result<Self, String> {
         let connect = format!(
             "connect: {{ endpoints: [{}], timeout_ms: {}, exit_on_failure: true, \
              retry: {{ period_init_ms: 5, period_max_ms: 50, period_increase_factor: 2 }} }}",
             endpoint(socket)?,
-            patience.as_millis()
+            timeout.as_millis()
         );
         let session = open("client", &connect).map_err(|reason| format!("its worker cannot be reached: {reason}"))?;
         let (sender, events) = channel();
         let replies = subscribe(&session, &format!("lockstep/{run}/done"), message_to(&sender));
         let ready = move |sample: Sample| {
-            let heard = if sample.kind() == SampleKind::Put { LinkEvent::Ready } else { LinkEvent::Gone };
-            // Nobody listens any more once the run is over.
-            let _ = sender.send(heard);
+            let event = if sample.kind() == SampleKind::Put { LinkEvent::Ready } else { LinkEvent::Gone };
+            // The channel has no receiver any more once the run is over.
+            let _ = sender.send(event);
         };
-        let ready = session.liveliness().declare_subscriber(READY).history(true).callback(ready).wait().ok();
+        let ready = session.liveliness().declare_subscriber(READY_KEY).history(true).callback(ready).wait().ok();
         let publisher = publish(&session, format!("lockstep/{run}/do"));
         match (replies, ready, publisher) {
             (Some(replies), Some(ready), Some(publisher)) => {
@@ -107,101 +117,107 @@ impl Link {
         }
     }
 
-    /// Sends a message. Each time that there was no room for a long one for a while, `look` is told how long that was; it
-    /// may say why nobody should wait any longer.
+    /// Sends a message. While a long one does not fit into the socket, `check` is called with the time since its last call;
+    /// it may return the cause why waiting is pointless.
     ///
     /// # Errors
-    /// The message is too long, or what `look` said. That the other end is gone shows in what is heard only.
-    pub fn send(&self, message: Vec<u8>, look: impl FnMut(Duration) -> Option<Cause>) -> Result<(), Cause> {
-        if message.len() <= BUFFERED {
+    /// The message is too long, or what `check` returned. That the other end is gone is no error here: it is reported as
+    /// [`LinkEvent::Gone`].
+    pub fn send(&self, message: Vec<u8>, check: impl FnMut(Duration) -> Option<Cause>) -> Result<(), Cause> {
+        if message.len() <= DIRECT_SEND_LIMIT {
             return put(&self.publisher, &message).map_err(Cause::Other);
         }
-        self.send_aside(message, look)
+        self.send_in_thread(message, check)
     }
 
-    /// The same by a thread of its own, however short the message: for a worker that may not have taken those before.
+    /// The same in a separate thread, however short the message: for a worker that may not have read the earlier ones, so
+    /// that even a short write can block.
     ///
     /// # Errors
     /// As for [`Link::send`], or the system gives no thread.
-    pub fn send_aside(&self, message: Vec<u8>, mut look: impl FnMut(Duration) -> Option<Cause>) -> Result<(), Cause> {
+    pub fn send_in_thread(
+        &self,
+        message: Vec<u8>,
+        mut check: impl FnMut(Duration) -> Option<Cause>,
+    ) -> Result<(), Cause> {
         let (publisher, (done, result)) = (Arc::clone(&self.publisher), channel());
-        // Nobody waits any more for a worker that was given up.
+        // The channel has no receiver any more if waiting was given up; the thread then ends with the link.
         let send = move || done.send(put(&publisher, &message)).unwrap_or_default();
         let sending = Builder::new().name("send".to_owned()).spawn(send);
         sending.map_err(|error| Cause::Other(format!("cannot start a thread to send a message: {error}")))?;
         loop {
             let began = Instant::now();
-            match result.recv_timeout(LOOK) {
+            match result.recv_timeout(CHECK_PERIOD) {
                 Ok(result) => return result.map_err(Cause::Other),
                 Err(RecvTimeoutError::Disconnected) => return Err(Cause::Other("the link is broken".to_owned())),
-                Err(RecvTimeoutError::Timeout) => look(began.elapsed()).map_or(Ok(()), Err)?,
+                Err(RecvTimeoutError::Timeout) => check(began.elapsed()).map_or(Ok(()), Err)?,
             }
         }
     }
 
-    /// What the other end does, in order.
+    /// The events of the other end, in order.
     #[must_use]
     pub fn events(&self) -> &Receiver<LinkEvent> {
         &self.events
     }
 }
 
-impl Listening {
-    /// Listens on a socket, and says so.
+impl LinkListener {
+    /// Listens on a socket and declares that orders are received.
     ///
     /// # Errors
-    /// What could not be done.
-    pub fn on(socket: &Path) -> Result<Self, String> {
+    /// The socket cannot be made.
+    pub fn bind(socket: &Path) -> Result<Self, String> {
         let listen = format!("listen: {{ endpoints: [{}], exit_on_failure: true }}", endpoint(socket)?);
         let session =
             open("peer", &listen).map_err(|reason| format!("cannot listen on {}: {reason}", socket.display()))?;
-        let (sender, calls) = channel();
-        let call = joined(move |sample, message| {
+        let (sender, orders) = channel();
+        let receive = joined(move |sample, message| {
             let _ = sender.send((sample.key_expr().to_string(), message));
         });
-        let subscription = subscribe(&session, "lockstep/*/do", call);
-        let token = session.liveliness().declare_token(READY).wait().ok();
+        let subscription = subscribe(&session, "lockstep/*/do", receive);
+        let token = session.liveliness().declare_token(READY_KEY).wait().ok();
         match (subscription, token) {
-            (Some(subscription), Some(token)) => Ok(Self { session, subscription, _token: token, calls }),
+            (Some(subscription), Some(token)) => Ok(Self { session, subscription, _token: token, orders }),
             _ => Err(format!("cannot listen on {}", socket.display())),
         }
     }
 
-    /// Waits for a message, and says which run it is of. Any time may pass: a coordinator may be suspended, and one that is
-    /// gone closes standard input.
+    /// Waits for a message and returns it after the name of its run. There is no time limit: a coordinator may be suspended,
+    /// and the end of one closes this process's standard input, which ends the process.
     ///
     /// # Errors
     /// None can come any more.
-    pub fn next(&self) -> Result<(String, Vec<u8>), String> {
-        self.calls.recv().map(named).map_err(|_| "the link is broken".to_owned())
+    pub fn receive(&self) -> Result<(String, Vec<u8>), String> {
+        self.orders.recv().map(with_run_name).map_err(|_| "the link is broken".to_owned())
     }
 
-    /// The same, but not for longer than this.
+    /// The same with a time limit.
     ///
     /// # Errors
     /// None came.
     #[cfg(test)]
-    pub fn next_within(&self, patience: Duration) -> Result<(String, Vec<u8>), RecvTimeoutError> {
-        self.calls.recv_timeout(patience).map(named)
+    pub fn receive_within(&self, timeout: Duration) -> Result<(String, Vec<u8>), RecvTimeoutError> {
+        self.orders.recv_timeout(timeout).map(with_run_name)
     }
 
-    /// The way back to the coordinator of a run.
+    /// The publisher of replies to the coordinator of a run.
     ///
     /// # Errors
     /// The link is broken.
-    pub fn answer(&self, run: &str) -> Result<Publisher<'static>, String> {
+    pub fn reply_publisher(&self, run: &str) -> Result<Publisher<'static>, String> {
         publish(&self.session, format!("lockstep/{run}/done")).ok_or_else(|| "the link is broken".to_owned())
     }
 
-    /// Hangs up.
+    /// Closes the link.
     pub fn close(self) {
         drop(self.subscription);
         close(&self.session);
     }
 }
 
-/// A message with the name of the run that its key tells.
-fn named((key, message): (String, Vec<u8>)) -> (String, Vec<u8>) {
+/// Replaces a message's key by the name of the run in it.
+fn with_run_name((key, message): (String, Vec<u8>)) -> (String, Vec<u8>) {
     let run = key.strip_prefix("lockstep/").and_then(|rest| rest.strip_suffix("/do")).unwrap_or_default();
     (run.to_owned(), message)
 }
@@ -209,12 +225,13 @@ fn named((key, message): (String, Vec<u8>)) -> (String, Vec<u8>) {
 fn message_to(sender: &Sender<LinkEvent>) -> impl Fn(Sample) + Send + Sync + 'static + use<> {
     let sender = sender.clone();
     joined(move |_, message| {
-        // Nobody listens any more once the run is over.
+        // The channel has no receiver any more once the run is over.
         let _ = sender.send(LinkEvent::Message(message));
     })
 }
 
-/// A callback that takes whole messages. Those of one link come in order and one after the other.
+/// A callback that joins pieces and passes whole messages on. One joiner is enough: a link has one sender, and zenoh
+/// delivers its pieces in order.
 fn joined(take: impl Fn(&Sample, Vec<u8>) + Send + Sync + 'static) -> impl Fn(Sample) + Send + Sync + 'static {
     let joiner = Mutex::new(Joiner::default());
     move |sample| {
@@ -233,10 +250,10 @@ fn subscribe(
     session.declare_subscriber(key.to_owned()).callback(callback).wait().ok()
 }
 
-/// Sends a message, and waits for as long as there is no room for it.
+/// Sends a message; blocks as long as the socket has no room for it.
 ///
 /// # Errors
-/// The message is too long. A link that is broken may swallow it without a word.
+/// The message is too long. A broken link may drop the message without an error.
 pub fn put(publisher: &Publisher<'static>, message: &[u8]) -> Result<(), String> {
     if message.len() > LONGEST_MESSAGE {
         return Err(format!("a message of {} bytes is longer than {LONGEST_MESSAGE}", message.len()));
@@ -249,10 +266,12 @@ fn publish(session: &Session, key: String) -> Option<Publisher<'static>> {
     publisher.priority(Priority::RealTime).express(true).wait().ok()
 }
 
-/// A session that speaks to whom it is told to, and looks for nobody.
-fn open(mode: &str, place: &str) -> Result<Session, String> {
+/// A session with this one endpoint: it discovers no other sessions, and so two runs can never meet.
+///
+/// The low-latency transport excludes quality of service (priorities), which needs zenoh's queues.
+fn open(mode: &str, endpoint: &str) -> Result<Session, String> {
     let text = format!(
-        "{{ mode: \"{mode}\", {place}, scouting: {{ multicast: {{ enabled: false }}, gossip: {{ enabled: false }} }}, \
+        "{{ mode: \"{mode}\", {endpoint}, scouting: {{ multicast: {{ enabled: false }}, gossip: {{ enabled: false }} }}, \
          timestamping: {{ enabled: false }}, transport: {{ unicast: {{ max_sessions: 1, lowlatency: true, \
          qos: {{ enabled: false }} }}, link: {{ tx: {{ lease: {LEASE_MS}, keep_alive: 4 }} }} }} }}"
     );
@@ -262,12 +281,12 @@ fn open(mode: &str, place: &str) -> Result<Session, String> {
     }
 }
 
-/// A socket as zenoh names it.
+/// The endpoint of a socket in zenoh's notation.
 ///
 /// # Errors
-/// It has a name that no socket can have.
+/// The path is too long for a socket, or has a character with a meaning in that notation.
 pub fn endpoint(socket: &Path) -> Result<String, String> {
-    /// What the system takes for the path of a socket, with room for what zenoh appends for its lock.
+    /// The system's limit for the path of a socket (108 bytes), less what zenoh appends for its lock file.
     const LONGEST: usize = 100;
     let path = socket.to_str().filter(|path| path.len() <= LONGEST && !path.contains(['?', '#', ';', '=', '"', '\\']));
     let path = path.ok_or_else(|| {
@@ -276,7 +295,7 @@ pub fn endpoint(socket: &Path) -> Result<String, String> {
     Ok(format!("\"unixsock-stream/{path}\""))
 }
 
-/// Closes a session in a thread, so that nothing is waited for too long.
+/// Closes a session in a thread, as closing has no time limit: a write to a worker that does not read may still block.
 fn close(session: &Session) {
     let (done, closed) = channel();
     let session = session.clone();
@@ -284,8 +303,8 @@ fn close(session: &Session) {
         let _ = session.close().wait();
         let _ = done.send(());
     });
-    // One that does not close is left to the end of the process.
-    let _ = closed.recv_timeout(FAREWELL);
+    // A session that does not close in time is left open until the process ends.
+    let _ = closed.recv_timeout(CLOSE_TIMEOUT);
 }
 
 #[cfg(test)]
@@ -298,61 +317,61 @@ mod tests {
         (0..1 << 20).map(|at| (at % 251) as u8).collect()
     }
 
-    /// What keeps the other end there.
+    /// The other end exists as long as these values.
     type Peer = (Session, Subscriber<()>, LivelinessToken, tempfile::TempDir);
 
-    /// A link to an end that hears nothing as long as the gate is closed, and what it hears.
-    fn linked(gate: &Arc<Mutex<()>>) -> (Link, Receiver<Vec<u8>>, Peer) {
+    /// A link to an end that receives nothing while the gate is locked, and the messages that it receives.
+    fn connected_pair(gate: &Arc<Mutex<()>>) -> (Link, Receiver<Vec<u8>>, Peer) {
         let folder = tempfile::tempdir().unwrap();
         let socket = folder.path().join("0.sock");
         let peer = open("peer", &format!("listen: {{ endpoints: [{}] }}", endpoint(&socket).unwrap())).unwrap();
-        let (sender, heard) = channel();
-        let hear = joined(move |_, message| sender.send(message).unwrap_or_default());
+        let (sender, received) = channel();
+        let receive = joined(move |_, message| sender.send(message).unwrap_or_default());
         let gate = Arc::clone(gate);
         let callback = move |sample| {
             drop(gate.lock());
-            hear(sample);
+            receive(sample);
         };
         let subscription = subscribe(&peer, "lockstep/*/do", callback).unwrap();
-        let token = peer.liveliness().declare_token(READY).wait().unwrap();
+        let token = peer.liveliness().declare_token(READY_KEY).wait().unwrap();
         let link = Link::connect(&socket, "run", Duration::from_secs(5)).unwrap();
         assert!(matches!(link.events().recv(), Ok(LinkEvent::Ready)));
-        (link, heard, (peer, subscription, token, folder))
+        (link, received, (peer, subscription, token, folder))
     }
 
     #[test]
     fn messages_long_and_short_arrive_whole_and_in_order() {
-        let (link, heard, _peer) = linked(&Arc::default());
+        let (link, received, _peer) = connected_pair(&Arc::default());
         for message in [long(), SHORT.to_vec(), long()] {
             link.send(message, |_| None).unwrap();
         }
-        assert!([long(), SHORT.to_vec(), long()] == [(); 3].map(|()| heard.recv().unwrap()));
+        assert!([long(), SHORT.to_vec(), long()] == [(); 3].map(|()| received.recv().unwrap()));
     }
 
     #[test]
-    fn who_takes_nothing_is_waited_for_until_somebody_says_why_not_to_wait() {
+    fn sending_to_an_end_that_reads_nothing_waits_until_the_check_returns_a_cause() {
         let gate = Arc::<Mutex<()>>::default();
-        let (link, heard, _peer) = linked(&gate);
+        let (link, received, _peer) = connected_pair(&gate);
         let closed = gate.lock().unwrap();
         link.send(SHORT.to_vec(), |_| None).unwrap();
-        let mut looks = 0;
+        let mut checks = 0;
         let sent = link.send(long(), |_| {
-            looks += 1;
-            (looks == 4).then_some(Cause::Silent(2.0))
+            checks += 1;
+            (checks == 4).then_some(Cause::Silent(2.0))
         });
-        assert_eq!((sent, looks), (Err(Cause::Silent(2.0)), 4));
-        let one = link.send_aside(SHORT.to_vec(), |_| Some(Cause::Silent(1.0)));
-        assert_eq!(one, Err(Cause::Silent(1.0)), "nor does a short one get past it");
-        assert!(heard.try_recv().is_err());
+        assert_eq!((sent, checks), (Err(Cause::Silent(2.0)), 4));
+        let short = link.send_in_thread(SHORT.to_vec(), |_| Some(Cause::Silent(1.0)));
+        assert_eq!(short, Err(Cause::Silent(1.0)), "a short message does not overtake it");
+        assert!(received.try_recv().is_err());
         drop(closed);
-        assert_eq!(heard.recv().unwrap(), SHORT);
+        assert_eq!(received.recv().unwrap(), SHORT);
     }
 }
 
 #[test]
-fn a_socket_has_a_plain_short_name() {
+fn the_path_of_a_socket_is_short_and_without_special_characters() {
     assert_eq!(endpoint(Path::new("/tmp/a b/3.sock")), Ok("\"unixsock-stream//tmp/a b/3.sock\"".to_owned()));
     for path in ["/tmp/a#b/3.sock", &format!("/tmp/{}/3.sock", "x".repeat(100))] {
-        assert!(endpoint(Path::new(path)).is_err_and(|said| said.contains("TMPDIR")), "{path}");
+        assert!(endpoint(Path::new(path)).is_err_and(|message| message.contains("TMPDIR")), "{path}");
     }
 }

@@ -1,15 +1,15 @@
-//! The bus: instances in processes of their own, and whoever watches, over zenoh. The only place that names it.
+//! The bus: worker processes and live values over zenoh; no other folder names zenoh.
 //!
 //! ```text
-//! lockstep run --isolate ── coordinator: step loop, claims, trace ── remote (a `Worker` like any other), one for each
-//!    │ starts, ends: fleet           │ orders: lockstep/<run>/do      ▲ replies: lockstep/<run>/done
+//! lockstep run --isolate: `coordinator/` holds step loop, claims and trace; for each worker a `Remote` (a `Worker`)
+//!    │ starts, ends: WorkerProcesses │ orders: lockstep/<run>/do      ▲ replies: lockstep/<run>/done
 //!    ▼                               ▼                                │
-//! lockstep worker ── holds one instance: sets inputs, steps, gets outputs, nothing else ── worker_process
+//! lockstep worker: `worker/` holds one instance: sets inputs, steps, gets outputs, nothing else
 //! ```
 //!
-//! The worker listens on a socket in the run's private folder, the coordinator dials, and nobody else is spoken to. A
-//! worker knows blocks of values and ticks; whatever the script says is computed in the coordinator, so that it cannot
-//! differ by where an instance lives.
+//! The worker listens on a socket in the run's private folder and the coordinator connects to it; neither opens any other
+//! connection. A worker knows blocks of values and ticks only. All that the script says is computed in the coordinator, so
+//! that results cannot depend on the process that an instance lives in.
 
 mod coordinator;
 mod link;

@@ -1,11 +1,11 @@
-//! Live values: what a run shows on keys to whoever watches, without ever waiting for them.
+//! Live values: a run publishes rows, state and claims on keys, and never waits for a subscriber.
 //!
 //! ```text
-//! the parent of the run ── rows ──► queue, the newest count ──► publisher, a thread ── keys ──► anybody's client
+//! the parent of the run ── rows ──► queue, drops the oldest ──► publisher, a thread ── keys ──► any zenoh client
 //!                                                                   └── state and claims, from the board
 //! ```
 //!
-//! A row is copied only while somebody watches. `docs/watching.md` tells keys and payloads.
+//! A row is copied only while a key has a subscriber. `docs/watching.md` describes keys and payloads.
 
 mod keys;
 mod payload;
@@ -31,58 +31,59 @@ use std::thread;
 use std::time::Duration;
 use unit::board::Board;
 
-/// Between two samples, and between two words on how the run stands.
+/// The time between two samples, and between two publications of the state.
 const SAMPLE_EVERY: Duration = Duration::from_millis(20);
-/// Between two looks for rows of which all are wanted.
-const LOOK_EVERY: Duration = Duration::from_millis(2);
-/// Bytes of rows that may wait for the publisher where all are wanted.
-const ROOM_BYTES: usize = 4 << 20;
-/// How long those who watch may take to hear the end of a run.
-const FAREWELL: Duration = Duration::from_secs(1);
+/// The time between two checks for rows if every row is published.
+const CHECK_EVERY: Duration = Duration::from_millis(2);
+/// Bytes of rows that may wait for the publisher if every row is published.
+const QUEUE_BYTES: usize = 4 << 20;
+/// How long subscribers may take to receive the end of a run.
+const END_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Which rows are shown.
+/// Which rows are published.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rate {
     /// The newest, 50 times a second.
     Sample,
-    /// All, as far as they can be put as fast as they come.
+    /// All, unless the run makes them faster than they can be published.
     EveryTick,
 }
 
 impl Rate {
-    fn look_every(self) -> Duration {
+    fn period(self) -> Duration {
         match self {
             Self::Sample => SAMPLE_EVERY,
-            Self::EveryTick => LOOK_EVERY,
+            Self::EveryTick => CHECK_EVERY,
         }
     }
 
-    /// How many rows of so many columns may wait.
-    fn room(self, columns: usize) -> usize {
+    /// How many rows of so many columns may wait for the publisher.
+    fn capacity(self, columns: usize) -> usize {
         match self {
             Self::Sample => 1,
-            Self::EveryTick => (ROOM_BYTES / 8 / (columns + 1)).max(1),
+            Self::EveryTick => (QUEUE_BYTES / 8 / (columns + 1)).max(1),
         }
     }
 }
 
-/// What the run's thread and the publisher share.
+/// Shared by the run's thread and the publisher.
 #[derive(Debug)]
 struct Shared {
     rows: Mutex<Rows>,
-    /// How many keys somebody watches.
+    /// How many keys have subscribers. Relaxed ordering is enough: no other memory depends on it, and a row more or less at
+    /// the begin of a subscription does not matter.
     watched: AtomicUsize,
-    /// Where the run notes how far it is, once it has begun.
+    /// The run's board with tick and claims, once the run has begun.
     board: OnceLock<Arc<Board>>,
 }
 
 impl Shared {
     fn rows(&self) -> MutexGuard<'_, Rows> {
-        // A queue is whole between its calls.
+        // A thread that panicked with the lock has left the queue valid: the assertions of `Rows` come before its changes.
         self.rows.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Another key is watched, or one less.
+    /// A key has its first subscriber, or has lost its last.
     fn count_key(&self, watched: bool) {
         if watched {
             self.watched.fetch_add(1, Ordering::Relaxed);
@@ -103,20 +104,20 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Declares what there is to watch in a run and starts the publisher.
+    /// Declares the keys of a run and starts the publisher.
     ///
     /// # Errors
     /// The session is closed.
     pub fn new(listening: Listening, spec: &RunSpec, rate: Rate) -> Result<Self, ListenError> {
         let columns = spec.scenario.columns.len();
-        let rows = Mutex::new(Rows::new(columns, rate.room(columns)));
+        let rows = Mutex::new(Rows::new(columns, rate.capacity(columns)));
         let shared = Arc::new(Shared { rows, watched: AtomicUsize::new(0), board: OnceLock::new() });
         let run = run_name();
         let publisher = Publisher::new(&listening, Arc::clone(&shared), rate, run.clone(), spec)
             .map_err(|error| ListenError::new(listening.endpoint(), &error))?;
         let (ending, end) = mpsc::channel();
-        let (tell, dropped) = mpsc::channel();
-        thread::spawn(move || tell.send(publisher.run(&end)));
+        let (sender, dropped) = mpsc::channel();
+        thread::spawn(move || sender.send(publisher.run(&end)));
         Ok(Self { run, rate, shared, ending, dropped })
     }
 
@@ -139,11 +140,11 @@ impl LiveObserver for Watch {
         }
     }
 
-    /// Gives those who watch a second to hear it.
+    /// Waits up to a second until the end of the run is published.
     fn end(self: Box<Self>, state: RunState) {
-        // The publisher lives until it hears this.
+        // The publisher's thread runs until it receives this.
         self.ending.send(state).ok();
-        match (self.dropped.recv_timeout(FAREWELL), self.rate) {
+        match (self.dropped.recv_timeout(END_TIMEOUT), self.rate) {
             (Ok(dropped @ 1..), Rate::EveryTick) => {
                 status(&format!("note: {dropped} rows came too fast for --live-every-tick; --pace slows a run down"));
             }

@@ -1,14 +1,15 @@
-//! What travels: messages as bytes, little endian, read by total functions; header and blocks need no memory but their own.
+//! The messages between coordinator and worker as bytes: little endian, decoded by total functions.
 //!
 //! ```text
 //!  0 u32 "LKS1"   4 u16 kind   6 u16 group   8 u64 schema   16 u64 sequence   24 u64 tick   32 u32 blocks   36 u32 extras
 //! block: u32 instance · u32 zero · u32 n_real · u32 n_int · u32 n_bool · u32 n_string
 //!        f64 × n_real · i32 × n_int · u8 × n_bool, 0 or 1 · zeros up to 8 · n_string × (u32 length, UTF-8) · zeros up to 8
-//! extras: so many bytes at the end, what an order or reply says besides its blocks
+//! extras: the last bytes of the message, what an order or reply carries besides its blocks
 //! ```
 //!
-//! A block is always complete, so any message can be read alone. Its layout is that of the instance's [`Ports`]; that
-//! both sides mean the same by it is what the schema number says.
+//! A block is always complete, so every message can be decoded without the ones before it. Its layout is that of the
+//! instance's [`Ports`]; equal schema numbers mean that both sides use the same layout. Blocks are decoded
+//! straight into the values of a run, without a copy between.
 
 mod blocks;
 pub mod open_request;
@@ -24,25 +25,25 @@ const HEADER_BYTES: usize = 40;
 const BLOCKS_AT: usize = 32;
 const EXTRAS_AT: usize = 36;
 
-/// What a message is. Replies have the number of their order and 16.
+/// The kind of a message. A reply has the number of its order plus 16.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Kind {
-    /// Who calls: the extras is JSON, so that any version can read it.
+    /// The coordinator's [`open_request::Handshake`]; the extras are JSON, so that any version can read them.
     Hello = 1,
-    /// Which instances, of which units, with which ports.
+    /// The instances to make, their units and their ports.
     Open = 2,
-    /// Initialization begins, or sets or gets some variables.
+    /// Enter initialization mode, or set or get variables in it; see [`open_request::Initial`].
     Initialise = 3,
-    /// Initialization ends; all outputs come back.
+    /// Exit initialization mode; the reply has all outputs.
     Start = 4,
-    /// A group takes a step: inputs there, outputs back.
+    /// A group takes a step: the order has its inputs, the reply its outputs.
     Step = 5,
     /// Terminate and free all instances.
     Finish = 6,
     /// Serialize the state of all instances.
     Save = 7,
-    /// Put all instances into a state.
+    /// Restore the state of all instances.
     Restore = 8,
     /// The reply to [`Kind::Hello`].
     Welcome = 17,
@@ -78,25 +79,25 @@ impl Kind {
         Self::ORDERS.into_iter().flat_map(<[Self; 2]>::from).find(|&kind| kind as u16 == number)
     }
 
-    /// What an order is answered with.
+    /// The kind of the reply to an order; `None` for a reply.
     #[must_use]
     pub fn reply(self) -> Option<Self> {
         Self::ORDERS.into_iter().find(|&(order, _)| order == self).map(|(_, reply)| reply)
     }
 }
 
-/// What every message begins with.
+/// The first part of every message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Header {
-    /// What it is.
+    /// The kind of the message.
     pub kind: Kind,
     /// The group that steps, counted among the worker's own.
     pub group: u16,
-    /// The layout of blocks that both sides agreed on; zero before they did.
+    /// The number of the layout of blocks, see [`open_request::OpenRequest::schema`]; zero before [`Kind::Open`].
     pub schema: u64,
-    /// SuperviseRequest to one worker are counted from 0; a reply repeats the number of its order.
+    /// Orders to one worker are counted from 0; a reply repeats the number of its order.
     pub sequence: u64,
-    /// The tick at which the step begins, or that the run has reached.
+    /// The tick at which the step begins, or which the run has reached.
     pub tick: u64,
 }
 
@@ -128,7 +129,7 @@ impl Outgoing {
         self.blocks += 1;
     }
 
-    /// Ends the message with what it says besides.
+    /// Ends the message with its extras.
     #[must_use]
     pub fn finish(mut self, extras: &[u8]) -> Vec<u8> {
         self.bytes[BLOCKS_AT..EXTRAS_AT].copy_from_slice(&self.blocks.to_le_bytes());
@@ -138,7 +139,7 @@ impl Outgoing {
     }
 }
 
-/// A length as it travels.
+/// A length as it is encoded.
 fn length(length: usize) -> u32 {
     u32::try_from(length).unwrap_or_else(|_| unreachable!("{length} is more than any message holds"))
 }
@@ -146,11 +147,11 @@ fn length(length: usize) -> u32 {
 /// A message that was received.
 #[derive(Debug)]
 pub struct Incoming<'a> {
-    /// How it begins.
+    /// Its header.
     pub header: Header,
     /// Its blocks.
     pub blocks: Blocks<'a>,
-    /// What it says besides.
+    /// Its extras.
     pub extras: &'a [u8],
 }
 
@@ -158,7 +159,7 @@ impl<'a> Incoming<'a> {
     /// Reads a message.
     ///
     /// # Errors
-    /// The bytes are no message.
+    /// The bytes are not a message.
     pub fn read(bytes: &'a [u8]) -> Result<Self, Malformed> {
         let (head, rest) = bytes.split_first_chunk::<HEADER_BYTES>().ok_or(Malformed::Short)?;
         let word = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| head[at + i]));
@@ -178,32 +179,32 @@ impl<'a> Incoming<'a> {
 /// Why bytes are not the message that they should be.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Malformed {
-    /// They end early.
+    /// They end too early.
     Short,
-    /// They do not begin as every message does.
+    /// They do not begin with the magic number.
     Foreign,
-    /// Nobody knows this kind.
+    /// The kind has an unknown number.
     Kind(u16),
-    /// A block is of another instance, or there is none for it.
+    /// A block belongs to another instance, or is missing.
     Instance {
-        /// The instance that should have come.
+        /// The instance whose block should follow.
         expected: usize,
-        /// The one that came.
+        /// The instance of the block that follows, if one does.
         found: Option<u32>,
     },
-    /// A block has other numbers of values than the instance has ports.
+    /// The counts of values in a block differ from the counts of the instance's variables.
     Counts(usize),
     /// The worker has no such group.
     Group(u16),
-    /// A word that must be zero is not.
+    /// A field that must be zero is not.
     Reserved(u32),
-    /// A Boolean that is neither 0 nor 1.
+    /// A Boolean is neither 0 nor 1.
     Boolean(u8),
-    /// A text that is no UTF-8.
+    /// A text is not UTF-8.
     Text,
-    /// Bytes, or whole blocks, that nobody asked for.
+    /// There are more bytes or blocks than expected, or padding is not zero.
     LeftOver,
-    /// What is said besides the blocks cannot be read.
+    /// The extras cannot be decoded.
     ReplyExtras,
 }
 

@@ -1,4 +1,6 @@
-//! A run whose instances have a process each: the loop is a thread of this process, the workers are its children.
+//! A run with a process for each instance: the step loop is a thread of this process, the workers are its children.
+//!
+//! The step loop needs no process of its own, as this process loads no unit that could crash it.
 
 use super::worker_processes::WorkerProcesses;
 use super::worker_set::WorkerSet;
@@ -12,17 +14,17 @@ use std::time::Duration;
 use unit::board::Board;
 use unit::failure::Cause;
 
-/// How long workers may take to go after the last word.
+/// How long workers may take to end after their last order.
 const EXIT_DEADLINE: Duration = Duration::from_secs(1);
 
-/// The loop's thread and the workers; ended when dropped.
+/// The step loop's thread and the worker processes; dropping it ends the processes.
 #[derive(Debug)]
 struct Isolated {
     processes: Arc<WorkerProcesses>,
     thread: JoinHandle<()>,
 }
 
-/// Starts a worker process for each instance, and the loop; see [`StartWorkers`](crate::host::supervise::StartWorkers).
+/// Starts a worker process for each instance, and the step loop; see [`StartWorkers`](crate::host::supervise::StartWorkers).
 ///
 /// # Errors
 /// As for [`Isolated::start`].
@@ -31,10 +33,10 @@ pub fn start_isolated(request: &SuperviseRequest<'_>, board: &Arc<Board>) -> io:
 }
 
 impl Isolated {
-    /// Starts a worker for each instance of the spec, and the loop. Rows, messages and claims go to this board.
+    /// Starts a worker for each instance, and the step loop. Rows, messages and claims go to this board.
     ///
     /// # Errors
-    /// A process cannot be started, or its board not be made.
+    /// A process cannot be started, or its board cannot be made.
     fn start(request: &SuperviseRequest<'_>, board: &Arc<Board>) -> io::Result<Self> {
         let spec = request.spec.clone();
         let home = request.spec.board.parent().unwrap_or(&request.spec.board);
@@ -56,9 +58,9 @@ impl Isolated {
 
 impl Stepping for Isolated {
     fn ended(&mut self) -> io::Result<Option<Cause>> {
-        // It ends without a word only if it panicked, which the panic has told already.
-        let silent = || Cause::Other("the step loop ended without a word".to_owned());
-        Ok(self.thread.is_finished().then(silent))
+        // Called when no end of the run was reported. The thread ends so only by a panic, whose message was printed already.
+        let unreported = || Cause::Other("the step loop ended without a word".to_owned());
+        Ok(self.thread.is_finished().then(unreported))
     }
 
     fn kill(&mut self) {
@@ -69,6 +71,7 @@ impl Stepping for Isolated {
 impl Drop for Isolated {
     fn drop(&mut self) {
         if !self.thread.is_finished() {
+            // The thread waits for replies of the workers. Their end lets it return, so it is not joined here.
             self.processes.kill_all();
             self.processes.await_exit(Duration::ZERO);
         }

@@ -1,4 +1,4 @@
-//! The coordinator's side: worker processes, their initialization, orders to them and what is known of one that died.
+//! The coordinator's side: worker processes, their initialization, orders to them, and the causes of their failures.
 
 mod hang_monitor;
 mod isolated;

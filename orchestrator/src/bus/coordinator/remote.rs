@@ -1,7 +1,11 @@
-//! Instances in another process: an order is a message, and so is its reply.
+//! A worker in another process: its orders and replies are messages.
 //!
-//! An answer is awaited when it is due, for as long as a call of a unit may take and as long as the process gives signs of
-//! life. Of a process that died or hangs its board still tells in which call that was.
+//! A reply is awaited when its result is due, within the time limit of a unit's call and as long as the process has a
+//! heartbeat. The board of a process that died or hangs shows the call in which that happened.
+//!
+//! Each end relies on promises of the other. The worker executes orders in sequence and sends one reply to each, with the
+//! order's number, group and tick. The coordinator sends an order to a group only when the reply to the previous one was
+//! taken. All replies are checked; after the first wrong one the worker is killed and every further call returns that failure.
 
 mod answers;
 #[cfg(test)]
@@ -11,7 +15,7 @@ use super::hang_monitor::HangMonitor;
 use super::worker_processes::WorkerProcesses;
 use crate::bus::link::Link;
 use crate::bus::wire::open_request::{
-    GroupSpec, Handshake, Initial, InstanceSpec, OpenRequest, Picked, ReplyExtras, Unit, bytes,
+    GroupSpec, Handshake, Initial, InstanceSpec, OpenRequest, ReplyExtras, SelectedValues, Unit, bytes,
 };
 use crate::bus::wire::{Header, Kind, Outgoing};
 use crate::bus::worker::Address;
@@ -27,19 +31,19 @@ use std::time::Duration;
 use unit::board::Board;
 use unit::failure::{Cause, Failure};
 
-/// How long a process may take to come up, on a machine on which many do.
+/// How long a process may take to listen; long, as many may start at once on a loaded machine.
 const START_DEADLINE: Duration = Duration::from_secs(30);
 
-/// What leads to a worker.
+/// What the coordinator needs to reach a worker.
 #[derive(Debug)]
 pub struct WorkerHandle {
-    /// Where it is.
+    /// Its socket and board in the run's folder.
     pub address: Address,
     /// Its board.
     pub board: Arc<Board>,
-    /// The processes, its own among them.
+    /// All worker processes of the run.
     pub processes: Arc<WorkerProcesses>,
-    /// Who looks after them.
+    /// The monitor of all workers of the run.
     pub hang_monitor: Arc<HangMonitor>,
 }
 
@@ -48,19 +52,20 @@ pub struct Remote<'a> {
     spec: &'a RunSpec,
     handle: WorkerHandle,
     link: Option<Link>,
-    /// Where words and calls of its units go.
+    /// Takes log messages and logged calls of its units.
     sink: MessageSink,
     schema: u64,
     /// Its instances with their ports, in the script's order.
     ports: Vec<(usize, InstancePorts)>,
-    /// Its groups, by their number in the run, with their number here and their instances.
+    /// Its groups by their number in the run, each with its number in this worker.
     groups: BTreeMap<usize, (u16, GroupSpec)>,
     request: OpenRequest,
     orders: u64,
-    /// SuperviseRequest whose replies nobody has awaited: what they were, by the group.
+    /// Orders of steps whose replies were not taken yet, by the group's number in the run.
     under_way: BTreeMap<usize, PendingOrder>,
-    /// Replies that came before they were awaited, by the number of their order.
+    /// Replies that arrived while another one was awaited, by the number of their order.
     early: BTreeMap<u64, Vec<u8>>,
+    /// The failure after which the process was killed.
     dead: Option<Lost>,
 }
 
@@ -72,15 +77,15 @@ pub struct PendingOrder {
 
 impl std::fmt::Debug for Remote<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Remote").field("way", &self.handle).field("orders", &self.orders).finish_non_exhaustive()
+        f.debug_struct("Remote").field("handle", &self.handle).field("orders", &self.orders).finish_non_exhaustive()
     }
 }
 
 impl<'a> Remote<'a> {
-    /// Calls the worker at this address, which is to hold what the wiring gives to a worker of its number.
+    /// Connects to a worker, which is to hold the groups that have its number in the wiring.
     ///
     /// # Errors
-    /// It did not come up.
+    /// Its process ended or did not listen in time.
     pub fn connect(
         spec: &'a RunSpec,
         wiring: &Wiring,
@@ -94,10 +99,10 @@ impl<'a> Remote<'a> {
             (index, (local, GroupSpec { every: group.every, instances: group.instances.clone() }))
         });
         let groups: BTreeMap<_, _> = groups.collect();
-        let mut held: Vec<usize> = groups.values().flat_map(|(_, company)| company.instances.clone()).collect();
+        let mut held: Vec<usize> = groups.values().flat_map(|(_, group)| group.instances.clone()).collect();
         held.sort_unstable();
         let ports: Vec<_> = held.iter().map(|&index| (index, wiring.ports[index].clone())).collect();
-        let request = request(spec, &ports, groups.values().map(|(_, company)| company.clone()).collect());
+        let request = request(spec, &ports, groups.values().map(|(_, group)| group.clone()).collect());
         let mut remote = Self {
             spec,
             handle,
@@ -112,23 +117,23 @@ impl<'a> Remote<'a> {
             early: BTreeMap::new(),
             dead: None,
         };
-        remote.call(run)?;
+        remote.establish_link(run)?;
         Ok(remote)
     }
 
-    /// Says who calls.
+    /// Sends this program's versions.
     ///
     /// # Errors
-    /// The worker is gone.
+    /// The worker is lost.
     pub fn shake_hands(&mut self) -> Result<PendingOrder, Lost> {
         let this = serde_json::to_vec(&Handshake::this()).unwrap_or_default();
-        self.ask(Kind::Hello, 0, &this)
+        self.send_order(Kind::Hello, 0, &this)
     }
 
-    /// Says what the worker is to hold.
+    /// Sends the units and instances that the worker is to hold.
     ///
     /// # Errors
-    /// The worker is gone.
+    /// The worker is lost.
     pub fn open(&mut self) -> Result<PendingOrder, Lost> {
         let schema = self.request.schema(|unit| {
             let spec = self.spec.units.iter().find(|spec| spec.name == self.request.units[unit].name);
@@ -136,31 +141,31 @@ impl<'a> Remote<'a> {
         });
         self.schema = schema.unwrap_or_else(|| unreachable!("a plan's units have all variables that its wiring has"));
         let request = bytes(&self.request);
-        self.ask(Kind::Open, 0, &request)
+        self.send_order(Kind::Open, 0, &request)
     }
 
-    /// Lets its instances enter initialization mode.
+    /// Orders its instances to enter initialization mode.
     ///
     /// # Errors
-    /// The worker is gone.
+    /// The worker is lost.
     pub fn enter(&mut self) -> Result<PendingOrder, Lost> {
-        self.ask(Kind::Initialise, 0, &bytes(&Initial::Enter))
+        self.send_order(Kind::Initialise, 0, &bytes(&Initial::Enter))
     }
 
-    /// Awaits a reply that brings nothing.
+    /// Awaits a reply that has no values.
     ///
     /// # Errors
-    /// What the worker says went wrong, or it is gone.
+    /// The order failed, or the worker is lost.
     pub fn confirm(&mut self, pending: PendingOrder) -> Result<(), Lost> {
-        self.answer(pending, |_, _| Ok(())).map(drop)
+        self.await_reply(pending, |_, _| Ok(())).map(drop)
     }
 
-    fn ask(&mut self, kind: Kind, tick: u64, extras: &[u8]) -> Result<PendingOrder, Lost> {
-        let (header, outgoing) = self.begin(kind, 0, tick)?;
+    fn send_order(&mut self, kind: Kind, tick: u64, extras: &[u8]) -> Result<PendingOrder, Lost> {
+        let (header, outgoing) = self.next_header(kind, 0, tick)?;
         self.send(header, outgoing.finish(extras))
     }
 
-    fn begin(&mut self, kind: Kind, group: u16, tick: u64) -> Result<(Header, Outgoing), Lost> {
+    fn next_header(&mut self, kind: Kind, group: u16, tick: u64) -> Result<(Header, Outgoing), Lost> {
         if let Some(dead) = &self.dead {
             return Err(dead.clone());
         }
@@ -171,15 +176,15 @@ impl<'a> Remote<'a> {
 
     fn send(&mut self, header: Header, message: Vec<u8>) -> Result<PendingOrder, Lost> {
         let WorkerHandle { address: Address { number, .. }, hang_monitor, .. } = &self.handle;
-        hang_monitor.begin(*number);
+        hang_monitor.restart(*number);
         let sent = match &self.link {
-            Some(link) => link.send(message, |waited| hang_monitor.look(*number, waited)),
+            Some(link) => link.send(message, |waited| hang_monitor.check(*number, waited)),
             None => Err(Cause::Other("its worker hung up".to_owned())),
         };
         sent.map(|()| PendingOrder { header }).map_err(|cause| self.give_up(header.tick, cause))
     }
 
-    /// What is lost with this worker, told of its first instance unless its board knows better.
+    /// The loss of this worker: assigned to the instance whose call stands on its board, else to its first instance.
     fn lost(&self, tick: u64, cause: Cause) -> Lost {
         let first = self.ports.first().map_or(0, |&(index, _)| index);
         let call =
@@ -193,36 +198,36 @@ impl<'a> Remote<'a> {
 }
 
 impl Worker for Remote<'_> {
-    fn set_initial(&mut self, instance: usize, picks: &[VariableSlot], inputs: &Values) -> Result<(), Lost> {
-        let picked = Initial::Set(Picked::out_of(instance, picks, inputs));
-        let pending = self.ask(Kind::Initialise, 0, &bytes(&picked))?;
+    fn set_initial(&mut self, instance: usize, slots: &[VariableSlot], inputs: &Values) -> Result<(), Lost> {
+        let selected = Initial::Set(SelectedValues::select(instance, slots, inputs));
+        let pending = self.send_order(Kind::Initialise, 0, &bytes(&selected))?;
         self.confirm(pending)
     }
 
-    fn get_initial(&mut self, instance: usize, picks: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost> {
-        let wanted = Picked::out_of(instance, picks, outputs);
-        let pending = self.ask(Kind::Initialise, 0, &bytes(&Initial::Get(wanted.clone())))?;
-        let ReplyExtras { values, .. } = self.answer(pending, |_, _| Ok(()))?;
-        let got = Picked { values, ..wanted };
-        if got.picks().is_none() {
+    fn get_initial(&mut self, instance: usize, slots: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost> {
+        let requested = SelectedValues::select(instance, slots, outputs);
+        let pending = self.send_order(Kind::Initialise, 0, &bytes(&Initial::Get(requested.clone())))?;
+        let ReplyExtras { values, .. } = self.await_reply(pending, |_, _| Ok(()))?;
+        let received = SelectedValues { values, ..requested };
+        if received.slots().is_none() {
             return Err(self.give_up(0, Cause::Other("its worker answered with other values than asked".to_owned())));
         }
-        got.put_into(picks, outputs);
+        received.copy_to(slots, outputs);
         Ok(())
     }
 
     fn start(&mut self, outputs: &mut Values) -> Result<(), Lost> {
-        let pending = self.ask(Kind::Start, 0, &[])?;
-        self.answer(pending, |ports, blocks| {
+        let pending = self.send_order(Kind::Start, 0, &[])?;
+        self.await_reply(pending, |ports, blocks| {
             ports.iter().try_for_each(|(index, ports)| blocks.read(*index, &ports.outputs, outputs))
         })
         .map(drop)
     }
 
     fn order(&mut self, order: &Order<'_>) -> Result<Ticket, Lost> {
-        let (local, company) = &self.groups[&order.group];
-        let (local, instances) = (*local, company.instances.clone());
-        let (header, mut outgoing) = self.begin(Kind::Step, local, order.tick)?;
+        let (local, group) = &self.groups[&order.group];
+        let (local, instances) = (*local, group.instances.clone());
+        let (header, mut outgoing) = self.next_header(Kind::Step, local, order.tick)?;
         for instance in instances {
             outgoing.block(instance, &self.ports(instance).inputs, order.inputs);
         }
@@ -235,15 +240,15 @@ impl Worker for Remote<'_> {
         let pending = self.under_way.remove(&ticket.group);
         let pending = pending.unwrap_or_else(|| unreachable!("group {} has no order under way", ticket.group));
         let instances = self.groups[&ticket.group].1.instances.clone();
-        let ReplyExtras { terminated, .. } = self.answer(pending, |ports, blocks| {
+        let ReplyExtras { terminated, .. } = self.await_reply(pending, |ports, blocks| {
             instances.iter().try_for_each(|&index| blocks.read(index, &find(ports, index).outputs, outputs))
         })?;
         Ok(Reply { terminated })
     }
 
     fn save(&mut self, tick: u64) -> Result<Vec<(usize, Vec<u8>)>, Lost> {
-        let pending = self.ask(Kind::Save, tick, &[])?;
-        let ReplyExtras { states, .. } = self.answer(pending, |_, _| Ok(()))?;
+        let pending = self.send_order(Kind::Save, tick, &[])?;
+        let ReplyExtras { states, .. } = self.await_reply(pending, |_, _| Ok(()))?;
         if !states.iter().map(|(index, _)| index).eq(self.ports.iter().map(|(index, _)| index)) {
             return Err(self.give_up(tick, Cause::Other("its worker answered with other states than asked".to_owned())));
         }
@@ -251,26 +256,26 @@ impl Worker for Remote<'_> {
     }
 
     fn restore(&mut self, tick: u64, states: &[(usize, &[u8])]) -> Result<(), Lost> {
-        let pending = self.ask(Kind::Restore, tick, &bytes(&states))?;
+        let pending = self.send_order(Kind::Restore, tick, &bytes(&states))?;
         self.confirm(pending)
     }
 
-    fn finish(&mut self, tick: u64, leaving: Shutdown) -> Result<(), Lost> {
+    fn finish(&mut self, tick: u64, shutdown: Shutdown) -> Result<(), Lost> {
         if self.dead.is_some() {
             return Ok(());
         }
-        if leaving == Shutdown::Immediate {
-            let (_, outgoing) = self.begin(Kind::Finish, 0, tick)?;
-            // It may not have taken its last order; then it is not waited for.
-            let leave = |_| Some(Cause::Other("it takes nothing".to_owned()));
-            self.link.as_ref().map_or(Ok(()), |link| link.send_aside(outgoing.finish(&[]), leave)).ok();
+        if shutdown == Shutdown::Immediate {
+            let (_, outgoing) = self.next_header(Kind::Finish, 0, tick)?;
+            // It may not have read its last order, so a write can block; the first check ends the wait.
+            let stop_waiting = |_| Some(Cause::Other("it takes nothing".to_owned()));
+            self.link.as_ref().map_or(Ok(()), |link| link.send_in_thread(outgoing.finish(&[]), stop_waiting)).ok();
             return Ok(());
         }
-        // What units said in steps that end after the run is told all the same.
+        // Steps that end after the run: their results are not needed, but their log messages are shown.
         for pending in std::mem::take(&mut self.under_way).into_values() {
-            self.overrun(pending)?;
+            self.drain(pending)?;
         }
-        let pending = self.ask(Kind::Finish, tick, &[])?;
+        let pending = self.send_order(Kind::Finish, tick, &[])?;
         let finished = self.confirm(pending);
         self.link = None;
         finished
@@ -288,7 +293,7 @@ fn find(ports: &[(usize, InstancePorts)], instance: usize) -> &InstancePorts {
     found.map_or_else(|| unreachable!("instance {instance} is not with this worker"), |(_, ports)| ports)
 }
 
-/// What a worker is told that is to hold these ports.
+/// The request to a worker that is to hold the instances with these ports.
 fn request(spec: &RunSpec, ports: &[(usize, InstancePorts)], groups: Vec<GroupSpec>) -> OpenRequest {
     let mut units: Vec<Unit> = Vec::new();
     let mut unit_of = |index: usize| {
@@ -299,11 +304,11 @@ fn request(spec: &RunSpec, ports: &[(usize, InstancePorts)], groups: Vec<GroupSp
             units.len() - 1
         })
     };
-    let held = |(index, ports): &(usize, InstancePorts)| {
+    let instance_spec = |(index, ports): &(usize, InstancePorts)| {
         let instance = &spec.scenario.instances[*index];
         let variables = |ports: &crate::flatten::wiring::Ports| {
-            let spans = [&ports.reals, &ports.integers, &ports.booleans, &ports.texts];
-            spans.into_iter().flat_map(|span| span.variables.iter().copied()).collect()
+            let ranges = [&ports.reals, &ports.integers, &ports.booleans, &ports.texts];
+            ranges.into_iter().flat_map(|range| range.variables.iter().copied()).collect()
         };
         InstanceSpec {
             index: *index,
@@ -315,6 +320,6 @@ fn request(spec: &RunSpec, ports: &[(usize, InstancePorts)], groups: Vec<GroupSp
             outputs: variables(&ports.outputs),
         }
     };
-    let instances = ports.iter().map(held).collect();
+    let instances = ports.iter().map(instance_spec).collect();
     OpenRequest { step_ns: spec.scenario.step_ns, folder: spec.folder.clone(), units, instances, groups }
 }

@@ -1,7 +1,7 @@
-//! The processes of a run's workers: started together, told apart by number, and never left behind.
+//! The worker processes of a run: started together, identified by number, and ended with this value.
 //!
-//! Their standard input is a pipe that stays open as long as this process lives; that it closes tells a worker that the
-//! coordinator is gone. What units print goes to this process's standard error.
+//! Their standard input is a pipe to this process. The system closes it when this process ends, even by SIGKILL; that is
+//! how a worker detects the end of its coordinator. What units print goes to this process's standard error.
 
 use crate::bus::worker::Address;
 use std::io;
@@ -18,27 +18,30 @@ use std::time::{Duration, Instant};
 /// The subcommand that a worker is started with.
 pub const SUBCOMMAND: &str = "worker";
 
-/// A worker has one link, so few threads serve it best.
+/// zenoh's threads in a worker: one for all, as a worker has only one link and the processors are for the units.
 const RUNTIME: (&str, &str) = (
     "ZENOH_RUNTIME",
     "(rx: (worker_threads: 1), tx: (handover: rx), net: (handover: rx), acc: (handover: rx), app: (handover: rx))",
 );
-const LOOK_AGAIN: Duration = Duration::from_millis(1);
+/// The time between two checks whether a process has ended.
+const CHECK_PERIOD: Duration = Duration::from_millis(1);
 
-/// Processes that do not outlive this value.
+/// Processes that are ended when this value is dropped.
 #[derive(Debug)]
 pub struct WorkerProcesses {
     children: Vec<Mutex<Child>>,
-    /// How many this process may use.
+    /// How many processors this process may use.
     processors: usize,
+    /// Set by [`WorkerProcesses::kill_all`], so that threads that still connect to workers stop.
     killed: AtomicBool,
 }
 
 impl WorkerProcesses {
-    /// Starts a process for each address, in process groups of their own so that Ctrl-C reaches them through us only.
+    /// Starts a process for each address. Each has its own process group: the terminal sends Ctrl-C to the foreground group
+    /// only, so the coordinator alone decides how the run ends.
     ///
     /// # Errors
-    /// One could not be started; those that were are gone again.
+    /// One could not be started; the others are ended again.
     pub fn start<'a>(program: &Path, addresses: impl IntoIterator<Item = &'a Address>) -> io::Result<Self> {
         let mut processes = Self {
             children: Vec::new(),
@@ -56,62 +59,63 @@ impl WorkerProcesses {
     }
 
     fn child(&self, number: usize) -> MutexGuard<'_, Child> {
-        // What it guards is whole after every statement.
+        // A thread that panicked with the lock has left the value valid: no change of it takes two statements.
         self.children[number].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether there is a processor for each worker and one more for whoever waits for them.
+    /// Whether there is a processor for each worker and one more for the coordinator, which may then poll for replies.
     #[must_use]
-    pub fn has_room(&self) -> bool {
+    pub fn have_processors_left(&self) -> bool {
         self.children.len() < self.processors
     }
 
-    /// How a worker ended, if it did.
+    /// The exit status of a worker that has ended.
     #[must_use]
     pub fn ended(&self, number: usize) -> Option<ExitStatus> {
         self.child(number).try_wait().ok().flatten()
     }
 
-    /// How a worker ended, if it does so within this time.
+    /// The exit status of a worker that ends within this time.
     #[must_use]
-    pub fn ends_within(&self, number: usize, patience: Duration) -> Option<ExitStatus> {
+    pub fn ends_within(&self, number: usize, timeout: Duration) -> Option<ExitStatus> {
         let began = Instant::now();
         loop {
             let ended = self.ended(number);
-            if ended.is_some() || began.elapsed() >= patience {
+            if ended.is_some() || began.elapsed() >= timeout {
                 return ended;
             }
-            sleep(LOOK_AGAIN);
+            sleep(CHECK_PERIOD);
         }
     }
 
-    /// Ends a worker at once.
+    /// Kills a worker.
     pub fn kill(&self, number: usize) {
-        // It may be gone already.
+        // It may have ended already.
         let _ = self.child(number).kill();
     }
 
-    /// Ends all workers at once, for good.
+    /// Kills all workers. The flag is set first, so that no thread waits for a worker that is about to end.
     pub fn kill_all(&self) {
         self.killed.store(true, Ordering::Release);
         (0..self.children.len()).for_each(|number| self.kill(number));
     }
 
-    /// Whether all workers were ended at once.
+    /// Whether [`WorkerProcesses::kill_all`] was called.
     #[must_use]
     pub fn were_killed(&self) -> bool {
         self.killed.load(Ordering::Acquire)
     }
 
-    /// Waits until all workers are gone; whoever is still there after this time is ended.
-    pub fn await_exit(&self, grace: Duration) {
+    /// Waits until all workers have ended; those still running after this time are killed.
+    pub fn await_exit(&self, timeout: Duration) {
         let began = Instant::now();
         for number in 0..self.children.len() {
-            if self.ends_within(number, grace.saturating_sub(began.elapsed())).is_none() {
+            if self.ends_within(number, timeout.saturating_sub(began.elapsed())).is_none() {
                 self.kill(number);
             }
         }
         for child in &self.children {
+            // Without this wait an ended child stays a zombie process.
             let _ = child.lock().unwrap_or_else(PoisonError::into_inner).wait();
         }
     }

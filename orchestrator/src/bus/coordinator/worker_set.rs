@@ -1,4 +1,4 @@
-//! The workers of a run: a process for each instance, started together and led into initialization mode together.
+//! The workers of a run: a process for each instance, started and brought into initialization mode at the same time.
 
 use super::hang_monitor::HangMonitor;
 use super::remote::{Remote, WorkerHandle};
@@ -18,7 +18,7 @@ use std::time::Duration;
 use unit::board::{Board, BoardLayout};
 use unit::failure::Failure;
 
-/// Worker processes that nobody has called yet.
+/// Worker processes to which there is no connection yet.
 #[derive(Debug)]
 pub struct WorkerSet {
     processes: Arc<WorkerProcesses>,
@@ -26,11 +26,12 @@ pub struct WorkerSet {
 }
 
 impl WorkerSet {
-    /// Starts so many processes of a program that knows the subcommand, with their boards in a private folder.
+    /// Starts so many processes of a program that has the subcommand [`SUBCOMMAND`](super::SUBCOMMAND), with their boards
+    /// in a private folder. `step_timeout` is the limit of a call of a unit; `None` waits without limit.
     ///
     /// # Errors
-    /// A process cannot be started, or its board not be made.
-    pub fn start(program: &Path, home: &Path, count: usize, patience: Option<Duration>) -> io::Result<Self> {
+    /// A process cannot be started, or its board cannot be made.
+    pub fn start(program: &Path, home: &Path, count: usize, step_timeout: Option<Duration>) -> io::Result<Self> {
         let addresses: Vec<_> = (0..count).map(|number| Address { home: home.to_owned(), number }).collect();
         for address in &addresses {
             endpoint(&address.socket()).map_err(io::Error::other)?;
@@ -38,7 +39,7 @@ impl WorkerSet {
         let layout = BoardLayout { notes: 1, columns: 0, claims: 0 };
         let boards = addresses.iter().map(|address| Board::create(&address.board(), &layout).map(Arc::new));
         let boards = boards.collect::<io::Result<Vec<_>>>()?;
-        let hang_monitor = Arc::new(HangMonitor::new(&boards, patience));
+        let hang_monitor = Arc::new(HangMonitor::new(&boards, step_timeout));
         let processes = Arc::new(WorkerProcesses::start(program, &addresses)?);
         let handles = addresses.into_iter().zip(boards).map(|(address, board)| {
             let (processes, hang_monitor) = (Arc::clone(&processes), Arc::clone(&hang_monitor));
@@ -53,11 +54,12 @@ impl WorkerSet {
         Arc::clone(&self.processes)
     }
 
-    /// Brings all workers into initialization mode: each step is begun everywhere before the first is awaited. The
-    /// wiring gives to each worker the instances of its number; `sink` hears what units say.
+    /// Brings all workers into initialization mode. Each order goes to all workers before the first reply is awaited, so
+    /// that units load at the same time. A worker holds the instances that have its number in the wiring; `sink` takes the
+    /// log messages of units.
     ///
     /// # Errors
-    /// The first in the script's order that could not be brought so far; others are told to go, if they were reached.
+    /// The failure of the first worker in the script's order; the other connected workers are ordered to end.
     pub fn initialize<'a>(
         self,
         spec: &'a RunSpec,
@@ -87,7 +89,7 @@ impl WorkerSet {
             }
             if let Some(failure) = failed {
                 for remote in &mut remotes {
-                    // What goes wrong with them now is no news.
+                    // The run has failed already; a second failure here would hide the first.
                     remote.finish(0, Shutdown::Immediate).ok();
                 }
                 return Err(failure);

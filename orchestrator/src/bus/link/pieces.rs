@@ -1,36 +1,37 @@
-//! Messages in pieces: a low-latency link of zenoh takes nothing longer than its buffer, and says nothing then.
+//! Messages cut into pieces that zenoh's low-latency transport can carry.
 //!
-//! A piece is so much of a message and one byte more: zero in the last piece of a message.
+//! That transport does not split messages. Its receiver has a buffer of 64 kB and closes the link at a longer one; the
+//! sender gets no error. A piece is a part of a message and one byte behind it: 0 in the last piece of a message, else 1.
 
-/// The longest piece, without its last byte.
+/// The longest piece without that byte; zenoh's header must fit into the buffer too.
 const LONGEST: usize = 40 << 10;
 const LAST: u8 = 0;
 const MORE: u8 = 1;
 
-/// Cuts a message; an empty one is a piece as well.
+/// Cuts a message; an empty one is one piece.
 pub fn cut(message: &[u8]) -> impl Iterator<Item = Vec<u8>> {
     let mut rest = Some(message);
     std::iter::from_fn(move || {
-        let (piece, behind) = rest?.split_at_checked(LONGEST).unwrap_or((rest?, &[]));
-        rest = (!behind.is_empty()).then_some(behind);
+        let (piece, remaining) = rest?.split_at_checked(LONGEST).unwrap_or((rest?, &[]));
+        rest = (!remaining.is_empty()).then_some(remaining);
         Some([piece, &[if rest.is_some() { MORE } else { LAST }]].concat())
     })
 }
 
-/// Joins pieces, which come in the order in which they were cut.
+/// Joins pieces, which arrive in the order in which they were cut.
 #[derive(Debug, Default)]
 pub struct Joiner {
-    begun: Vec<u8>,
+    partial: Vec<u8>,
 }
 
 impl Joiner {
-    /// The message that is complete with this piece. One that grows longer than `longest` is handed over as it is then, so
-    /// that whoever reads it sees that it is none.
+    /// Returns the message if this piece completes it. A message that grows longer than `longest` is returned incomplete:
+    /// memory stays bounded, and the decoder rejects it.
     pub fn add(&mut self, piece: &[u8], longest: usize) -> Option<Vec<u8>> {
         let (&end, bytes) = piece.split_last().unwrap_or((&LAST, &[]));
-        self.begun.extend_from_slice(bytes);
-        let is_over = end != MORE || self.begun.len() > longest;
-        is_over.then(|| std::mem::take(&mut self.begun))
+        self.partial.extend_from_slice(bytes);
+        let is_complete = end != MORE || self.partial.len() > longest;
+        is_complete.then(|| std::mem::take(&mut self.partial))
     }
 }
 
@@ -43,7 +44,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_cut_is_joined_again_and_only_when_it_is_whole() {
+    fn cut_pieces_join_to_the_same_message_and_only_once_it_is_complete() {
         let mut joiner = Joiner::default();
         for (length, pieces) in [(0, 1), (72, 1), (LONGEST, 1), (LONGEST + 1, 2), (3 * LONGEST, 3), (1 << 20, 26)] {
             let message = message(length);
@@ -56,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn whatever_comes_as_pieces_ends_as_a_message() {
+    fn every_sequence_of_pieces_ends_as_a_message_of_bounded_length() {
         let mut joiner = Joiner::default();
         assert_eq!(joiner.add(&[], 10), Some(vec![]));
         assert_eq!(joiner.add(&[7, 200], 10), Some(vec![7]));

@@ -1,27 +1,27 @@
-//! The keys of a run, and names of instances as chunks of them.
+//! The keys of a run; names of instances are encoded as chunks of keys.
 
 use std::fmt::Write as _;
 
-/// Where a run says how far it is.
+/// The key of a run's state.
 #[must_use]
 pub fn live(run: &str) -> String {
     format!("lockstep/{run}/live")
 }
 
-/// Where a run puts the values of an instance.
+/// The key of the values of an instance.
 #[must_use]
 pub fn values(run: &str, instance: &str) -> String {
     format!("lockstep/{run}/live/{}", chunk(instance))
 }
 
-/// Where a run answers what the values of an instance are.
+/// The key of the query for what the values of an instance are.
 #[must_use]
 pub fn schema(run: &str, instance: &str) -> String {
     format!("lockstep/{run}/schema/{}", chunk(instance))
 }
 
-/// A name as one chunk of a key: what a key cannot hold is percent-encoded, and no name is a lone `%`. So is an `@` at its
-/// beginning, which would hide the chunk from wildcards.
+/// A name as one chunk of a key. Characters that a key cannot hold are percent-encoded; so is a leading `@`, which would
+/// exclude the chunk from wildcards. A key has no empty chunk, so the empty name is a lone `%`, which no encoding gives.
 fn chunk(name: &str) -> String {
     if name.is_empty() {
         return "%".to_owned();
@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn names_of_scripts_go_into_keys_as_they_are() {
+    fn plain_names_of_scripts_are_not_changed_in_keys() {
         for name in ["quad", "wing[1].body", "plant.'der(x)'"] {
             assert_eq!(values("0f", name), format!("lockstep/0f/live/{name}"));
         }
@@ -66,7 +66,7 @@ mod tests {
 
     proptest::proptest! {
         #[test]
-        fn every_name_decodes_back_and_is_one_chunk_that_wildcards_find(name in "[@*$?#/%a-c\\PC]{0,8}") {
+        fn every_name_decodes_to_itself_and_is_one_chunk_that_wildcards_match(name in "[@*$?#/%a-c\\PC]{0,8}") {
             assert_eq!(decoded(&chunk(&name)), name);
             let key = KeyExpr::try_from(values("0f", &name)).unwrap();
             assert!(KeyExpr::try_from("lockstep/*/live/*").unwrap().includes(&key), "{key}");

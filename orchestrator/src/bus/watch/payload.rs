@@ -1,7 +1,7 @@
-//! What those who watch a run read, as JSON.
+//! The JSON payloads of a run's keys.
 //!
-//! Reals are the shortest decimals that read back to the same bits; a watcher's JSON reader knows neither NaN nor
-//! infinities, so that these are texts, as the trace writes them.
+//! A Real is the shortest decimal that reads back to the same bits. JSON has neither NaN nor infinities, so these are
+//! texts, as in the trace.
 
 use results::run_record::RunState;
 use results::shortest_decimal;
@@ -21,7 +21,7 @@ pub struct Variable {
     pub slot_type: SlotType,
 }
 
-/// When something was so.
+/// The run and tick of a payload.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<'a> {
     /// The run's name.
@@ -39,7 +39,7 @@ pub fn values(moment: Moment<'_>, variables: &[Variable], slots: &[u64]) -> Vec<
     json(&ValuesJson { run, tick, time: seconds(tick, step_ns), values: RowValues { variables, slots } })
 }
 
-/// How far a run is, and how its claims stand: one standing for each.
+/// The state of a run and of its claims, with one standing for each claim.
 #[must_use]
 pub fn state(moment: Moment<'_>, state: RunState, claims: &[ClaimInfo], standings: &[Standing]) -> Vec<u8> {
     let Moment { run, tick, step_ns } = moment;
@@ -48,7 +48,8 @@ pub fn state(moment: Moment<'_>, state: RunState, claims: &[ClaimInfo], standing
     json(&StateJson { run, tick, time: seconds(tick, step_ns), state, claims })
 }
 
-/// A claim that nothing has decided yet shows the margin so far, and no verdict.
+/// A claim that is not decided yet has a margin so far, and no verdict. Reports show no margin of an undecided claim, hence
+/// the substituted verdict.
 fn claim_json<'a>(claim: &'a ClaimInfo, standing: &Standing, step_ns: u64, running: bool) -> ClaimJson<'a> {
     let open = running && !standing.verdict.is_decided();
     let verdict = if open { Verdict::Holds } else { standing.verdict };
@@ -125,7 +126,7 @@ mod tests {
     use super::*;
     use results::verdict::{Limit, MarginUnit};
 
-    /// What reports say of a claim.
+    /// The data of a claim for reports.
     fn claim_info(name: &str, text: &str, unit: Option<(&str, f64)>, limit: Option<(f64, bool)>) -> ClaimInfo {
         ClaimInfo {
             name: name.to_owned(),
@@ -136,7 +137,7 @@ mod tests {
         }
     }
 
-    /// How a claim stands.
+    /// The standing of a claim.
     fn standing(verdict: Verdict, margin: f64, worst_tick: u64) -> Standing {
         Standing { verdict, margin, worst_tick }
     }
@@ -152,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn values_tell_run_tick_time_and_each_variable_by_its_own_name() {
+    fn a_values_payload_has_run_tick_time_and_each_variable_by_its_own_name() {
         let variables = [
             variable("position.x", 3, SlotType::Real),
             variable("fallen", 0, SlotType::Boolean),
@@ -172,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_claim_that_is_open_has_a_margin_so_far_and_no_verdict_until_the_run_is_over() {
+    fn an_open_claim_has_a_margin_so_far_and_no_verdict_until_the_run_is_over() {
         let degree = std::f64::consts::PI / 180.0;
         let claims = [
             claim_info("tilts", "always quad.tilt < 35 deg", Some(("deg", degree)), Some((35.0, true))),
@@ -184,8 +185,8 @@ mod tests {
             standing(Verdict::Undecided, f64::NAN, 0),
             standing(Verdict::Fails, -0.25, 9),
         ];
-        let told = [RunState::Running, RunState::Broken].map(|now| text(state(MOMENT, now, &claims, &standings)));
-        insta::assert_snapshot!(told.join("\n"));
+        let payloads = [RunState::Running, RunState::Broken].map(|now| text(state(MOMENT, now, &claims, &standings)));
+        insta::assert_snapshot!(payloads.join("\n"));
     }
 
     proptest::proptest! {

@@ -1,4 +1,4 @@
-//! The thread that puts on keys what the run has left for those who watch.
+//! The thread that publishes a run's rows, state and claims on its keys.
 
 use super::keys;
 use super::payload::{self, Moment, Variable};
@@ -21,10 +21,11 @@ use zenoh::pubsub;
 use zenoh::qos::{CongestionControl, Priority};
 use zenoh::{Session, Wait};
 
-/// A key that somebody may watch.
+/// A key with its publisher.
 #[derive(Debug)]
 struct Key {
     publisher: pubsub::Publisher<'static>,
+    /// Whether it has subscribers.
     watched: Arc<AtomicBool>,
 }
 
@@ -35,7 +36,7 @@ struct WatchedInstance {
     variables: Vec<Variable>,
 }
 
-/// Everything that is put, and when.
+/// All keys of a run and what is published on them.
 #[derive(Debug)]
 pub(super) struct Publisher {
     session: Session,
@@ -48,12 +49,13 @@ pub(super) struct Publisher {
     instances: Vec<WatchedInstance>,
     state: Key,
     taken: VecDeque<u64>,
-    told_tick: Option<u64>,
-    told: Instant,
+    /// The last published state: its tick and when it was published.
+    state_tick: Option<u64>,
+    state_put: Instant,
 }
 
 impl Publisher {
-    /// Declares the keys of a run. Instances of which nothing is recorded have none.
+    /// Declares the keys of a run. Instances without recorded variables have none.
     pub fn new(
         listening: &Listening,
         shared: Arc<Shared>,
@@ -73,7 +75,7 @@ impl Publisher {
                 continue;
             }
             let schema = json_text(&columns.iter().map(|&column| &signals[column]).collect::<Vec<_>>());
-            answer(&session, keys::schema(&run, &instance.name), schema)?;
+            declare_reply(&session, keys::schema(&run, &instance.name), schema)?;
             let variable = |&column: &usize| Variable {
                 name: signals[column].variable.unwrap_or_default().to_owned(),
                 column,
@@ -93,23 +95,23 @@ impl Publisher {
             claims: scenario.claims.iter().map(info).collect(),
             instances,
             taken: VecDeque::new(),
-            told_tick: None,
-            told: Instant::now(),
+            state_tick: None,
+            state_put: Instant::now(),
         })
     }
 
-    /// Puts until it hears how the run ended, then puts the rest and closes the session. Returns how many rows came too
-    /// fast.
+    /// Publishes until the end of the run is received, then publishes the rest and closes the session. Returns how many
+    /// rows were dropped.
     pub fn run(mut self, ending: &Receiver<RunState>) -> u64 {
         let end = loop {
-            match ending.recv_timeout(self.rate.look_every()) {
+            match ending.recv_timeout(self.rate.period()) {
                 Err(RecvTimeoutError::Timeout) => self.put(RunState::Running),
                 Ok(end) => break end,
                 Err(RecvTimeoutError::Disconnected) => break RunState::Broken,
             }
         };
         self.put(end);
-        // Whoever watched is told or gone.
+        // The run is over; an error here has no consequence.
         self.session.close().wait().ok();
         self.shared.rows().dropped()
     }
@@ -126,23 +128,24 @@ impl Publisher {
         self.put_state(state);
     }
 
-    /// How far the run is, if that has changed since it was told; at the end whether it has or not.
+    /// Publishes the state if the tick has changed since the last time; at the end in any case.
     fn put_state(&mut self, state: RunState) {
         let Some(board) = self.shared.board.get() else { return };
         let tick = board.tick();
-        if state == RunState::Running && (self.told_tick == Some(tick) || self.told.elapsed() < SAMPLE_EVERY) {
+        if state == RunState::Running && (self.state_tick == Some(tick) || self.state_put.elapsed() < SAMPLE_EVERY) {
             return;
         }
         let moment = Moment { run: &self.run, tick, step_ns: self.step_ns };
         let claims = &self.claims;
         if self.state.put(|| payload::state(moment, state, claims, &standings(board, claims.len()))) {
-            (self.told_tick, self.told) = (Some(tick), Instant::now());
+            (self.state_tick, self.state_put) = (Some(tick), Instant::now());
         }
     }
 }
 
 impl Key {
-    /// Puts on a key are dropped rather than waited for, and give way to everything else.
+    /// Declares a key. Its messages are dropped when a subscriber is slow, so that it cannot delay the run, and have the lowest
+    /// priority. A listener of zenoh updates whether the key has subscribers.
     fn declare(session: &Session, key: String, shared: &Arc<Shared>) -> Result<Self, zenoh::Error> {
         let publisher = session
             .declare_publisher(key)
@@ -160,23 +163,23 @@ impl Key {
         Ok(Self { publisher, watched })
     }
 
-    /// Puts a payload if somebody watches, and says whether somebody does.
+    /// Publishes a payload if the key has subscribers; returns whether it has.
     fn put(&self, payload: impl FnOnce() -> Vec<u8>) -> bool {
         let watched = self.watched.load(Ordering::Relaxed);
         if watched {
-            // Whoever watches is no reason to end a run.
+            // An error of publishing must not end a run.
             self.publisher.put(payload()).wait().ok();
         }
         watched
     }
 }
 
-/// Answers whoever asks for a key with a text.
-fn answer(session: &Session, key: String, text: String) -> Result<(), zenoh::Error> {
+/// Replies to queries for a key with a constant text.
+fn declare_reply(session: &Session, key: String, text: String) -> Result<(), zenoh::Error> {
     let reply = {
         let key = key.clone();
         move |query: zenoh::query::Query| {
-            // Who asked may be gone.
+            // The client that sent the query may have disconnected.
             query.reply(&key, text.as_str()).encoding(Encoding::APPLICATION_JSON).wait().ok();
         }
     };

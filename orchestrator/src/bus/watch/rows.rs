@@ -1,28 +1,28 @@
-//! Rows on their way from the run to the publisher: a queue with an end, in which the newest count.
+//! The bounded queue of rows between the run and the publisher; when it is full the oldest row is dropped.
 
 use std::collections::VecDeque;
 
-/// A queue that drops its oldest row rather than ask anybody to wait. With room for one it is a slot: the newest wins.
+/// A queue that drops its oldest row, so that adding one never waits. With a capacity of one it holds the newest row.
 #[derive(Debug)]
 pub struct Rows {
-    /// Row after row: its tick, then its slots.
+    /// The rows in order; each is its tick and then its slots.
     words: VecDeque<u64>,
     width: usize,
-    room: usize,
+    capacity: usize,
     dropped: u64,
 }
 
 impl Rows {
-    /// Room for so many rows of so many columns.
-    pub fn new(columns: usize, room: usize) -> Self {
-        assert!(room > 0, "a queue has room for a row");
-        Self { words: VecDeque::new(), width: columns + 1, room, dropped: 0 }
+    /// A queue for so many rows of so many columns.
+    pub fn new(columns: usize, capacity: usize) -> Self {
+        assert!(capacity > 0, "a queue has room for a row");
+        Self { words: VecDeque::new(), width: columns + 1, capacity, dropped: 0 }
     }
 
     /// Adds the newest row.
     pub fn push(&mut self, tick: u64, slots: &[u64]) {
         assert_eq!(slots.len() + 1, self.width, "a row has one slot for each column");
-        if self.words.len() == self.room * self.width {
+        if self.words.len() == self.capacity * self.width {
             self.words.drain(..self.width);
             self.dropped += 1;
         }
@@ -30,13 +30,14 @@ impl Rows {
         self.words.extend(slots);
     }
 
-    /// Takes all rows out, in order, in exchange for an empty queue whose memory serves the next ones.
+    /// Takes all rows out, in order, in exchange for an empty queue whose memory is used for the next ones. The lock is held
+    /// for this exchange only, not while rows are published.
     pub fn exchange(&mut self, empty: &mut VecDeque<u64>) {
         assert!(empty.is_empty(), "what was taken before was read");
         std::mem::swap(&mut self.words, empty);
     }
 
-    /// How many rows nobody took in time.
+    /// How many rows were dropped.
     pub fn dropped(&self) -> u64 {
         self.dropped
     }
@@ -53,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slot_holds_the_newest_row() {
+    fn a_queue_for_one_row_holds_the_newest() {
         let mut rows = Rows::new(2, 1);
         for tick in 0..3 {
             rows.push(tick, &[10 * tick, 10 * tick + 1]);
@@ -63,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn a_queue_keeps_the_order_drops_the_oldest_and_counts_them() {
+    fn a_queue_keeps_the_order_and_drops_and_counts_the_oldest() {
         let mut rows = Rows::new(1, 3);
         for tick in 0..3 {
             rows.push(tick, &[10 * tick]);
@@ -76,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_without_columns_is_its_tick() {
+    fn a_row_without_columns_is_a_tick() {
         let mut rows = Rows::new(0, 1);
         rows.push(7, &[]);
         assert_eq!(taken(&mut rows), [7]);

@@ -1,4 +1,4 @@
-//! The session that those who watch connect to: it listens and speaks, and hears nothing but who watches.
+//! The zenoh session that clients connect to: they can subscribe and query, but not publish.
 
 use crate::bus::link::without_source_places;
 use std::fmt;
@@ -6,12 +6,12 @@ use std::net::SocketAddr;
 use zenoh::config::Config;
 use zenoh::{Session, Wait};
 
-/// Where a run listens unless it is told: any free port, for this machine only.
+/// The default endpoint: any free port, reachable from this machine only.
 pub const ANY_LOCAL_PORT: &str = "tcp/127.0.0.1:0";
 
-/// No scouting, and no port but the one asked for. Whoever comes may subscribe and ask; what they put, or say of
-/// themselves, is not let in, so that it reaches neither the run nor others who watch. A subscription is admitted or
-/// denied as a whole, hence `**`: what goes out is `lockstep/**` all the same.
+/// No scouting, and no port but the requested one. Clients may subscribe and query. What they publish or declare besides is
+/// rejected, so that it reaches neither the run nor other clients. zenoh admits or denies a subscription as a whole, and a
+/// client may subscribe to more than `lockstep/**`; hence `**` for ingress, while egress is limited to `lockstep/**`.
 const SETTINGS: &str = r#"{
     mode: "peer",
     connect: { endpoints: [] },
@@ -32,12 +32,12 @@ const SETTINGS: &str = r#"{
     },
 }"#;
 
-/// Why nobody can watch at an endpoint.
+/// Why a session cannot listen at an endpoint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ListenError {
     /// The endpoint as the user named it.
     pub endpoint: String,
-    /// What the system or the library said.
+    /// The error of the system or of zenoh.
     pub cause: String,
 }
 
@@ -73,7 +73,7 @@ impl Listening {
     /// Listens at an endpoint.
     ///
     /// # Errors
-    /// It is none, or it is taken or forbidden.
+    /// The endpoint is invalid, in use or forbidden.
     pub fn at(endpoint: &str) -> Result<Self, ListenError> {
         let refused = |error| ListenError::new(endpoint, &error);
         let quoted = serde_json::Value::from(endpoint).to_string();
@@ -93,7 +93,7 @@ impl Listening {
         &self.endpoint
     }
 
-    /// The addresses that reach it.
+    /// The addresses at which it can be reached.
     #[must_use]
     pub fn addresses(&self) -> &[String] {
         &self.addresses
@@ -102,11 +102,11 @@ impl Listening {
     /// Whether it can be reached from other machines.
     #[must_use]
     pub fn is_open_to_others(&self) -> bool {
-        !self.addresses.iter().all(|address| is_of_this_machine(address))
+        !self.addresses.iter().all(|address| is_local(address))
     }
 }
 
-fn is_of_this_machine(address: &str) -> bool {
+fn is_local(address: &str) -> bool {
     match address.split_once('/') {
         Some(("unixsock-stream", _)) => true,
         Some((_, place)) => place.parse().is_ok_and(|place: SocketAddr| place.ip().is_loopback()),
@@ -119,19 +119,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_endpoint_that_cannot_be_listened_at_is_told_without_places_in_source() {
+    fn the_error_of_an_unusable_endpoint_has_no_source_locations() {
         let taken = Listening::at(ANY_LOCAL_PORT).unwrap();
         let endpoints = [taken.addresses()[0].as_str(), "tcp/127.0.0.1", "nonsense", "tls/127.0.0.1:0"];
         for endpoint in endpoints {
             let error = Listening::at(endpoint).unwrap_err();
-            let told = error.to_string();
-            assert!(told.starts_with(&format!("cannot listen at {endpoint} for those who watch: ")), "{told}");
-            assert!(!told.contains(".rs") && told.len() > 50, "{told}");
+            let text = error.to_string();
+            assert!(text.starts_with(&format!("cannot listen at {endpoint} for those who watch: ")), "{text}");
+            assert!(!text.contains(".rs") && text.len() > 50, "{text}");
         }
     }
 
     #[test]
-    fn a_free_port_is_named_and_of_this_machine_only() {
+    fn the_address_of_the_default_endpoint_has_a_port_and_is_local() {
         let listening = Listening::at(ANY_LOCAL_PORT).unwrap();
         let [address] = listening.addresses() else { panic!("{:?}", listening.addresses()) };
         assert!(address.starts_with("tcp/127.0.0.1:") && address != ANY_LOCAL_PORT, "{address}");
@@ -139,12 +139,12 @@ mod tests {
     }
 
     #[test]
-    fn only_loopback_and_sockets_in_files_are_of_this_machine() {
+    fn only_loopback_addresses_and_unix_sockets_are_local() {
         for address in ["tcp/127.0.0.1:7447", "tcp/[::1]:7447", "unixsock-stream//tmp/a.sock"] {
-            assert!(is_of_this_machine(address), "{address}");
+            assert!(is_local(address), "{address}");
         }
         for address in ["tcp/0.0.0.0:7447", "tcp/[::]:7447", "tcp/192.168.1.2:7447", "tcp/host.example:7447"] {
-            assert!(!is_of_this_machine(address), "{address}");
+            assert!(!is_local(address), "{address}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! A run that is watched from its own session, without a network.
+//! What a subscriber in the run's own session receives, without a network.
 
 use super::*;
 use crate::example::{description, scenario};
@@ -35,7 +35,7 @@ fn spec() -> RunSpec {
     }
 }
 
-/// A run that has begun, and the session that shows it.
+/// A run that has begun, and the session that publishes it.
 fn begun(rate: Rate) -> (Box<Watch>, Session, Arc<Board>) {
     let listening = Listening::at(ANY_LOCAL_PORT).unwrap();
     let session = listening.session.clone();
@@ -45,14 +45,14 @@ fn begun(rate: Rate) -> (Box<Watch>, Session, Arc<Board>) {
     (watch, session, board)
 }
 
-/// Flies 100 ticks to the end; what was seen, each with the end of its key.
-fn seen(rate: Rate) -> Vec<(String, Value)> {
+/// Publishes a run of 100 ticks; returns the messages received, each with the last chunk of its key.
+fn received(rate: Rate) -> Vec<(String, Value)> {
     let (mut watch, session, board) = begun(rate);
-    let (see, seen) = mpsc::channel();
+    let (sender, received) = mpsc::channel();
     let callback = move |sample: Sample| {
         assert_eq!(*sample.encoding(), zenoh::bytes::Encoding::APPLICATION_JSON);
-        let place = sample.key_expr().rsplit('/').next().unwrap_or_default().to_owned();
-        see.send((place, serde_json::from_slice(&sample.payload().to_bytes()).unwrap())).unwrap();
+        let chunk = sample.key_expr().rsplit('/').next().unwrap_or_default().to_owned();
+        sender.send((chunk, serde_json::from_slice(&sample.payload().to_bytes()).unwrap())).unwrap();
     };
     session.declare_subscriber("lockstep/*/live/**").callback(callback).background().wait().unwrap();
     while watch.shared.watched.load(Ordering::Relaxed) < 2 {
@@ -63,32 +63,32 @@ fn seen(rate: Rate) -> Vec<(String, Value)> {
         watch.row(tick, &[(tick as f64).to_bits(), 2]);
     }
     watch.end(RunState::Finished);
-    seen.try_iter().collect()
+    received.try_iter().collect()
 }
 
-fn ticks_of_values(seen: &[(String, Value)]) -> Vec<u64> {
-    let values = seen.iter().filter(|(place, _)| place == "quad");
+fn ticks_of_values(received: &[(String, Value)]) -> Vec<u64> {
+    let values = received.iter().filter(|(chunk, _)| chunk == "quad");
     values.map(|(_, message)| message["tick"].as_u64().unwrap()).collect()
 }
 
 #[test]
-fn of_a_sample_the_last_row_is_seen_and_then_the_end() {
-    let seen = seen(Rate::Sample);
-    let ticks = ticks_of_values(&seen);
+fn a_sample_includes_the_last_row_and_then_the_end() {
+    let received = received(Rate::Sample);
+    let ticks = ticks_of_values(&received);
     assert!(ticks.is_sorted_by(|one, next| one < next) && ticks.last() == Some(&99), "{ticks:?}");
-    let [.., (values, last_row), (live, end)] = &seen[..] else { panic!("{seen:?}") };
+    let [.., (values, last_row), (live, end)] = &received[..] else { panic!("{received:?}") };
     assert_eq!((values.as_str(), live.as_str()), ("quad", "live"));
     assert_eq!(last_row["values"], serde_json::json!({ "height": 99.0, "method": 2 }));
     assert_eq!((&end["state"], &end["tick"]), (&Value::from("finished"), &Value::from(99)));
 }
 
 #[test]
-fn every_row_is_seen_in_order_where_all_are_wanted() {
-    assert_eq!(ticks_of_values(&seen(Rate::EveryTick)), (0..100).collect::<Vec<_>>());
+fn every_row_is_received_in_order_at_the_rate_of_every_tick() {
+    assert_eq!(ticks_of_values(&received(Rate::EveryTick)), (0..100).collect::<Vec<_>>());
 }
 
 #[test]
-fn nothing_is_copied_while_nobody_watches() {
+fn no_row_is_copied_while_there_is_no_subscriber() {
     let (mut watch, _session, _board) = begun(Rate::EveryTick);
     watch.row(0, &[0, 0]);
     let mut words = VecDeque::new();
@@ -97,7 +97,7 @@ fn nothing_is_copied_while_nobody_watches() {
 }
 
 #[test]
-fn who_asks_is_told_what_the_values_are() {
+fn a_query_for_the_schema_returns_what_the_values_are() {
     let (watch, session, _board) = begun(Rate::Sample);
     let replies = session.get(format!("lockstep/{}/schema/*", watch.run())).wait().unwrap();
     let reply = replies.recv().unwrap();

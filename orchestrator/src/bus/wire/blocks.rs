@@ -1,4 +1,4 @@
-//! Blocks of a message: the values of one instance's ports each.
+//! Blocks of a message: each has the values of one instance's ports.
 
 use super::{Malformed, length};
 use crate::flatten::values::Values;
@@ -8,9 +8,9 @@ use crate::flatten::wiring::Ports;
 #[derive(Debug)]
 pub struct Blocks<'a> {
     rest: &'a [u8],
-    left: u32,
-    /// Bytes before `rest`, for padding.
-    passed: usize,
+    remaining: u32,
+    /// Number of bytes before `rest`, from which the length of padding follows.
+    consumed: usize,
 }
 
 pub(super) fn write(bytes: &mut Vec<u8>, instance: usize, ports: &Ports, values: &Values) {
@@ -21,12 +21,12 @@ pub(super) fn write(bytes: &mut Vec<u8>, instance: usize, ports: &Ports, values:
     {
         bytes.extend(number.to_le_bytes());
     }
-    // In pieces of known length, which takes several at once.
-    for (piece, value) in grown(bytes, 8 * reals.len()).as_chunks_mut().0.iter_mut().zip(reals) {
-        *piece = value.to_bits().to_le_bytes();
+    // Chunks of constant length let the compiler copy several values at once.
+    for (chunk, value) in append_zeros(bytes, 8 * reals.len()).as_chunks_mut().0.iter_mut().zip(reals) {
+        *chunk = value.to_bits().to_le_bytes();
     }
-    for (piece, value) in grown(bytes, 4 * integers.len()).as_chunks_mut().0.iter_mut().zip(integers) {
-        *piece = value.to_le_bytes();
+    for (chunk, value) in append_zeros(bytes, 4 * integers.len()).as_chunks_mut().0.iter_mut().zip(integers) {
+        *chunk = value.to_le_bytes();
     }
     bytes.extend(booleans.iter().map(|&value| u8::from(value != 0)));
     pad(bytes);
@@ -37,29 +37,30 @@ pub(super) fn write(bytes: &mut Vec<u8>, instance: usize, ports: &Ports, values:
     pad(bytes);
 }
 
-/// Room for so many bytes at the end.
-fn grown(bytes: &mut Vec<u8>, by: usize) -> &mut [u8] {
+/// Appends so many zeros and returns them, to be overwritten.
+fn append_zeros(bytes: &mut Vec<u8>, by: usize) -> &mut [u8] {
     let before = bytes.len();
     bytes.resize(before + by, 0);
     &mut bytes[before..]
 }
 
-/// Zeros up to a multiple of 8; what comes before a block is one.
+/// Appends zeros up to a multiple of 8. Every block starts at such a multiple, as the header has 40 bytes.
 fn pad(bytes: &mut Vec<u8>) {
     bytes.resize(bytes.len().next_multiple_of(8), 0);
 }
 
 impl<'a> Blocks<'a> {
     pub(super) fn new(bytes: &'a [u8], count: u32) -> Self {
-        Self { rest: bytes, left: count, passed: 0 }
+        Self { rest: bytes, remaining: count, consumed: 0 }
     }
 
-    /// Reads the next block, which must be of this instance and have a value for each of its ports.
+    /// Reads the next block, which must belong to this instance and have a value for each variable of its ports.
     ///
     /// # Errors
-    /// It is not; some of the values may have been stored.
+    /// The block is another one or invalid. Some of its values may have been stored by then.
     pub fn read(&mut self, instance: usize, ports: &Ports, values: &mut Values) -> Result<(), Malformed> {
-        self.left = self.left.checked_sub(1).ok_or(Malformed::Instance { expected: instance, found: None })?;
+        self.remaining =
+            self.remaining.checked_sub(1).ok_or(Malformed::Instance { expected: instance, found: None })?;
         let found = self.word()?;
         if found as usize != instance {
             return Err(Malformed::Instance { expected: instance, found: Some(found) });
@@ -68,18 +69,18 @@ impl<'a> Blocks<'a> {
         if reserved != 0 {
             return Err(Malformed::Reserved(reserved));
         }
-        for span in [&ports.reals, &ports.integers, &ports.booleans, &ports.texts] {
-            if self.word()? as usize != span.references.len() {
+        for range in [&ports.reals, &ports.integers, &ports.booleans, &ports.texts] {
+            if self.word()? as usize != range.references.len() {
                 return Err(Malformed::Counts(instance));
             }
         }
         let reals = &mut values.reals[ports.reals.range()];
-        for (value, piece) in reals.iter_mut().zip(self.slice(8 * ports.reals.references.len())?.as_chunks().0) {
-            *value = f64::from_bits(u64::from_le_bytes(*piece));
+        for (value, chunk) in reals.iter_mut().zip(self.slice(8 * ports.reals.references.len())?.as_chunks().0) {
+            *value = f64::from_bits(u64::from_le_bytes(*chunk));
         }
         let integers = &mut values.integers[ports.integers.range()];
-        for (value, piece) in integers.iter_mut().zip(self.slice(4 * ports.integers.references.len())?.as_chunks().0) {
-            *value = i32::from_le_bytes(*piece);
+        for (value, chunk) in integers.iter_mut().zip(self.slice(4 * ports.integers.references.len())?.as_chunks().0) {
+            *value = i32::from_le_bytes(*chunk);
         }
         for value in &mut values.booleans[ports.booleans.range()] {
             let [byte] = self.take()?;
@@ -94,25 +95,25 @@ impl<'a> Blocks<'a> {
         self.skip_padding()
     }
 
-    /// There are no more blocks, and nothing is left over.
+    /// Checks that all blocks and bytes were read.
     ///
     /// # Errors
-    /// There is more.
+    /// Some are left.
     pub fn end(&self) -> Result<(), Malformed> {
-        if self.left == 0 && self.rest.is_empty() { Ok(()) } else { Err(Malformed::LeftOver) }
+        if self.remaining == 0 && self.rest.is_empty() { Ok(()) } else { Err(Malformed::LeftOver) }
     }
 
     fn slice(&mut self, length: usize) -> Result<&'a [u8], Malformed> {
         let (slice, rest) = self.rest.split_at_checked(length).ok_or(Malformed::Short)?;
         self.rest = rest;
-        self.passed += length;
+        self.consumed += length;
         Ok(slice)
     }
 
     fn take<const N: usize>(&mut self) -> Result<[u8; N], Malformed> {
         let (chunk, rest) = self.rest.split_first_chunk().ok_or(Malformed::Short)?;
         self.rest = rest;
-        self.passed += N;
+        self.consumed += N;
         Ok(*chunk)
     }
 
@@ -121,7 +122,7 @@ impl<'a> Blocks<'a> {
     }
 
     fn skip_padding(&mut self) -> Result<(), Malformed> {
-        let padding = self.slice(self.passed.next_multiple_of(8) - self.passed)?;
+        let padding = self.slice(self.consumed.next_multiple_of(8) - self.consumed)?;
         if padding.iter().all(|&byte| byte == 0) { Ok(()) } else { Err(Malformed::LeftOver) }
     }
 }

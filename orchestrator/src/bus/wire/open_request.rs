@@ -1,4 +1,4 @@
-//! What is said besides blocks: who calls whom, which instances a worker holds, what a reply tells in words.
+//! The extras of messages: handshake, request of instances, initial values, log messages and failures.
 
 use crate::flatten::values::{Slot, Values};
 use crate::flatten::wiring::VariableSlot;
@@ -12,20 +12,20 @@ use sha2::{Digest, Sha256};
 use std::path::PathBuf;
 use unit::call_log::LONGEST_PIECE;
 
-/// The version of everything that travels.
+/// The version of all messages.
 pub const PROTOCOL: u32 = 1;
 
-/// What is said at once has no more bytes.
-const MOST_WORDS: usize = 256 << 10;
+/// The most bytes of one log message or failure.
+const LONGEST_TEXT: usize = 256 << 10;
 
-/// Who speaks; JSON, so that every version can read that of every other.
+/// Identifies a program; JSON, so that every version can read that of every other.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Handshake {
     /// [`PROTOCOL`]
     pub protocol: u32,
     /// The version of Lockstep.
     pub lockstep: String,
-    /// System and processor: equal bytes are promised for equal arithmetic only.
+    /// System and processor: results have the same bytes only where arithmetic is the same.
     pub target: String,
 }
 
@@ -37,10 +37,10 @@ impl Handshake {
         Self { protocol: PROTOCOL, lockstep: env!("CARGO_PKG_VERSION").to_owned(), target: format!("{ARCH}-{OS}") }
     }
 
-    /// Whether results of the two can be expected to have the same bytes.
+    /// Checks that the two programs understand each other and give results of the same bytes.
     ///
     /// # Errors
-    /// In which respect they differ.
+    /// The first respect in which they differ.
     pub fn agrees_with(&self, other: &Self) -> Result<(), String> {
         let differ =
             |what: &str, ours: &str, theirs: &str| Err(format!("its worker has {what} {theirs}, this program {ours}"));
@@ -57,7 +57,7 @@ impl Handshake {
     }
 }
 
-/// What a worker is to held.
+/// What a worker is to hold.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OpenRequest {
     /// The communication step in nanoseconds.
@@ -73,38 +73,38 @@ pub struct OpenRequest {
     pub groups: Vec<GroupSpec>,
 }
 
-/// A unit as a worker is told of it.
+/// A unit as a worker needs to know it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Unit {
-    /// What messages call it.
+    /// Its name in messages for the user.
     pub name: String,
-    /// Where it lies unpacked.
+    /// The folder of its unpacked archive.
     #[serde(with = "path_bytes")]
     pub folder: PathBuf,
     /// SHA-256 of its archive.
     pub sha256: String,
 }
 
-/// An instance as a worker is told of it.
+/// An instance as a worker needs to know it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct InstanceSpec {
     /// Its index in the scenario.
     pub index: usize,
     /// Its name in the script.
     pub name: String,
-    /// Which of the units it is.
+    /// Index of its unit in [`OpenRequest::units`].
     pub unit: usize,
-    /// What is set before initialization.
+    /// The values that are set before initialization.
     pub presets: Vec<Preset>,
-    /// Whether its calls are told.
+    /// Whether its FMI calls are logged.
     pub log_calls: bool,
-    /// The variables of a block towards it, as indices into the unit's description.
+    /// The variables of its blocks in orders, as indices into the unit's description.
     pub inputs: Vec<usize>,
-    /// The variables of a block from it.
+    /// The variables of its blocks in replies.
     pub outputs: Vec<usize>,
 }
 
-/// Instances that step and deliver together.
+/// Instances that step together and whose outputs return in one reply.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct GroupSpec {
     /// The period in ticks.
@@ -114,16 +114,17 @@ pub struct GroupSpec {
 }
 
 impl OpenRequest {
-    /// A number for the layout of blocks: equal where both sides mean the same by every value. Each side computes it from
-    /// the descriptions that it has read itself; `None` if a variable is not there.
+    /// The number of the layout of blocks: equal where every value has the same meaning on both sides. Each side computes
+    /// it from the descriptions that it has read itself, so that a unit that was replaced meanwhile is detected before the
+    /// first step. `None` if a variable does not exist.
     #[must_use]
     pub fn schema<'d>(&self, description_of: impl Fn(usize) -> Option<&'d ModelDescription>) -> Option<u64> {
         let mut hash = Sha256::new();
-        for held in &self.instances {
-            let description = description_of(held.unit)?;
-            let unit = self.units.get(held.unit)?;
-            for (direction, variables) in [("in", &held.inputs), ("out", &held.outputs)] {
-                hash.update(format!("{}\0{}\0{direction}\0{}\0", held.name, unit.sha256, variables.len()));
+        for instance in &self.instances {
+            let description = description_of(instance.unit)?;
+            let unit = self.units.get(instance.unit)?;
+            for (direction, variables) in [("in", &instance.inputs), ("out", &instance.outputs)] {
+                hash.update(format!("{}\0{}\0{direction}\0{}\0", instance.name, unit.sha256, variables.len()));
                 for &index in variables {
                     let variable = description.variables.get(index)?;
                     hash.update(format!("{}\0{:?}\0", variable.name, variable.base_type()));
@@ -134,107 +135,105 @@ impl OpenRequest {
     }
 }
 
-/// What an order of initialization wants.
+/// The extras of [`Kind::Initialise`](super::Kind::Initialise).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Initial {
     /// All instances enter initialization mode.
     Enter,
     /// These variables of an instance are set.
-    Set(Picked),
+    Set(SelectedValues),
     /// These variables of an instance are read; their values come back in the same order.
-    Get(Picked),
+    Get(SelectedValues),
 }
 
 /// Some variables of an instance with their values, each type in its own order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Picked {
+pub struct SelectedValues {
     /// The instance.
     pub instance: usize,
-    /// Type and value reference of each.
+    /// Type and value reference of each variable.
     pub variables: Vec<(BaseType, u32)>,
     /// The values.
     pub values: Values,
 }
 
-impl Picked {
-    /// Picks values out of all.
+impl SelectedValues {
+    /// Copies the values of these slots out of all values.
     #[must_use]
-    pub fn out_of(instance: usize, picks: &[VariableSlot], all: &Values) -> Self {
+    pub fn select(instance: usize, slots: &[VariableSlot], all: &Values) -> Self {
         let mut values = Values::default();
-        for pick in picks {
-            let slot = values.add(pick.slot.base);
-            values.copy_slot(slot, all, pick.slot);
+        for variable in slots {
+            let slot = values.add(variable.slot.base);
+            values.copy_slot(slot, all, variable.slot);
         }
-        let variables = picks.iter().map(|pick| (pick.slot.base, pick.reference)).collect();
+        let variables = slots.iter().map(|variable| (variable.slot.base, variable.reference)).collect();
         Self { instance, variables, values }
     }
 
-    /// The same variables with places in [`Picked::values`]; `None` if there is not a value for each.
+    /// The variables with their slots in [`SelectedValues::values`]; `None` if the number of values differs.
     #[must_use]
-    pub fn picks(&self) -> Option<Vec<VariableSlot>> {
+    pub fn slots(&self) -> Option<Vec<VariableSlot>> {
         let mut counted = Values::default();
-        let picks = self.variables.iter().map(|&(base, reference)| VariableSlot { slot: counted.add(base), reference });
-        let picks = picks.collect();
-        (counted.end() == self.values.end()).then_some(picks)
+        let slots = self.variables.iter().map(|&(base, reference)| VariableSlot { slot: counted.add(base), reference });
+        let slots = slots.collect();
+        (counted.end() == self.values.end()).then_some(slots)
     }
 
-    /// Puts the values where they belong among all.
-    pub fn put_into(&self, picks: &[VariableSlot], all: &mut Values) {
+    /// Copies the values to these slots among all values: the inverse of [`SelectedValues::select`].
+    pub fn copy_to(&self, slots: &[VariableSlot], all: &mut Values) {
         let mut counted = Values::default();
-        for pick in picks {
-            let slot: Slot = counted.add(pick.slot.base);
-            all.copy_slot(pick.slot, &self.values, slot);
+        for variable in slots {
+            let slot: Slot = counted.add(variable.slot.base);
+            all.copy_slot(variable.slot, &self.values, slot);
         }
     }
 }
 
-/// What a reply says besides its blocks; mostly nothing.
+/// The extras of a reply; empty for most steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ReplyExtras {
-    /// LogOrder and calls of its units since the reply before.
-    pub said: Vec<Message>,
-    /// Instances that are done for good.
+    /// Log messages and logged calls of its units since the previous reply.
+    pub messages: Vec<Message>,
+    /// Instances that have terminated.
     pub terminated: Vec<Terminated>,
-    /// What went wrong; there are no blocks then.
+    /// The failure, if the order failed; the reply has no blocks then.
     pub lost: Option<Lost>,
-    /// What was asked for by [`Initial::Get`].
+    /// The values of the variables of [`Initial::Get`].
     pub values: Values,
     /// Serialized states, by index of the instance.
     pub states: Vec<(usize, Vec<u8>)>,
 }
 
 impl ReplyExtras {
-    /// As bytes: none where there is nothing to say.
+    /// Encodes the extras; empty ones have no bytes, so that the reply of most steps costs nothing here.
     #[must_use]
     pub fn bytes(&self) -> Vec<u8> {
         if *self == Self::default() { Vec::new() } else { bytes(self) }
     }
 
-    /// What bytes say; `None` if they say nothing that can be understood.
+    /// Decodes extras; `None` if the bytes are invalid.
     #[must_use]
     pub fn read(bytes: &[u8]) -> Option<Self> {
         if bytes.is_empty() { Some(Self::default()) } else { read(bytes) }
     }
 
-    /// Whether a worker that holds these instances may say this: words and calls of theirs, no longer than a board takes,
-    /// and nothing of others.
+    /// Whether a worker that holds these instances may send this: log messages, calls and failures of its own instances,
+    /// each of limited length. A unit can write anywhere in its worker's memory, so replies are checked.
     #[must_use]
-    pub fn is_of(&self, holds: impl Fn(usize) -> bool) -> bool {
-        let its_own = |told: &Message| match told {
-            Message::Log(said) => {
-                said.instance.is_none_or(&holds) && said.text.len() + said.category.len() <= MOST_WORDS
-            }
+    pub fn is_limited_to(&self, holds: impl Fn(usize) -> bool) -> bool {
+        let is_allowed = |message: &Message| match message {
+            Message::Log(log) => log.instance.is_none_or(&holds) && log.text.len() + log.category.len() <= LONGEST_TEXT,
             Message::Calls(piece) => holds(piece.instance) && piece.bytes.len() <= LONGEST_PIECE,
             Message::Saved(_) | Message::Finished(_) | Message::Broken(_) => false,
         };
         let lost = self.lost.as_ref();
-        self.said.iter().all(its_own)
+        self.messages.iter().all(is_allowed)
             && self.terminated.iter().all(|ended| holds(ended.instance))
-            && lost.is_none_or(|lost| holds(lost.instance) && bytes(lost).len() <= MOST_WORDS)
+            && lost.is_none_or(|lost| holds(lost.instance) && bytes(lost).len() <= LONGEST_TEXT)
     }
 }
 
-/// What goes along with a message, as bytes.
+/// Encodes extras.
 #[must_use]
 pub fn bytes(value: &impl Serialize) -> Vec<u8> {
     match postcard::to_stdvec(value) {
@@ -243,7 +242,7 @@ pub fn bytes(value: &impl Serialize) -> Vec<u8> {
     }
 }
 
-/// What bytes say, if all of them say it.
+/// Decodes extras; `None` if the bytes are invalid or too many.
 #[must_use]
 pub fn read<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Option<T> {
     postcard::take_from_bytes(bytes).ok().filter(|(_, rest)| rest.is_empty()).map(|(value, _)| value)
@@ -257,41 +256,41 @@ mod tests {
     use unit::logger::LogMessage;
 
     #[test]
-    fn another_protocol_version_or_target_is_told_apart() {
+    fn another_protocol_version_or_target_is_rejected() {
         let this = Handshake::this();
         assert_eq!(this.agrees_with(&this), Ok(()));
         let other = Handshake { protocol: 99, ..this.clone() };
         assert_eq!(this.agrees_with(&other), Err("its worker has protocol 99, this program 1".to_owned()));
         let other = Handshake { target: "pdp11-unix".to_owned(), ..this.clone() };
-        assert!(this.agrees_with(&other).is_err_and(|said| said.contains("target pdp11-unix")));
+        assert!(this.agrees_with(&other).is_err_and(|message| message.contains("target pdp11-unix")));
     }
 
     #[test]
-    fn picked_values_find_their_places_again() {
+    fn selected_values_are_copied_back_to_their_slots() {
         let all = Values {
             reals: vec![0.0, f64::NAN, 2.0],
             integers: vec![3],
             booleans: vec![1],
             texts: vec!["a".to_owned(), "b".to_owned()],
         };
-        let pick = |base, index, reference| VariableSlot { slot: Slot { base, index }, reference };
-        let picks = [pick(BaseType::Real, 2, 8), pick(BaseType::String, 1, 9), pick(BaseType::Real, 1, 7)];
-        let picked = Picked::out_of(4, &picks, &all);
-        assert_eq!((picked.values.reals[0], picked.values.texts.as_slice()), (2.0, ["b".to_owned()].as_slice()));
-        let local = picked.picks().unwrap();
+        let variable = |base, index, reference| VariableSlot { slot: Slot { base, index }, reference };
+        let slots = [variable(BaseType::Real, 2, 8), variable(BaseType::String, 1, 9), variable(BaseType::Real, 1, 7)];
+        let selected = SelectedValues::select(4, &slots, &all);
+        assert_eq!((selected.values.reals[0], selected.values.texts.as_slice()), (2.0, ["b".to_owned()].as_slice()));
+        let local = selected.slots().unwrap();
         assert_eq!(
-            local.iter().map(|pick| (pick.slot.index, pick.reference)).collect::<Vec<_>>(),
+            local.iter().map(|variable| (variable.slot.index, variable.reference)).collect::<Vec<_>>(),
             [(0, 8), (0, 9), (1, 7)]
         );
         let mut back = Values { reals: vec![9.0; 3], texts: vec![String::new(); 2], ..all.clone() };
-        picked.put_into(&picks, &mut back);
+        selected.copy_to(&slots, &mut back);
         assert!(back.reals[0] == 9.0 && back.reals[1].is_nan() && back.reals[2] == 2.0 && back.texts[1] == "b");
-        let missing = Picked { values: Values::default(), ..picked };
-        assert!(missing.picks().is_none());
+        let missing = SelectedValues { values: Values::default(), ..selected };
+        assert!(missing.slots().is_none());
     }
 
     #[test]
-    fn a_reply_without_words_has_no_bytes_and_garbage_is_none() {
+    fn empty_extras_have_no_bytes_and_invalid_bytes_are_rejected() {
         assert_eq!(ReplyExtras::default().bytes(), [0_u8; 0]);
         assert_eq!(ReplyExtras::read(&[]), Some(ReplyExtras::default()));
         let extras = ReplyExtras { states: vec![(1, vec![2, 3])], ..ReplyExtras::default() };
@@ -302,33 +301,33 @@ mod tests {
     }
 
     #[test]
-    fn a_worker_speaks_for_its_own_instances_only() {
+    fn a_worker_may_send_messages_of_its_own_instances_only() {
         let holds = |instance| instance == 3;
-        let said = |instance, length| {
+        let log = |instance, length| {
             let (category, text) = (String::new(), "x".repeat(length));
             Message::Log(LogMessage { instance, tick: 0, counts_at: 0, status: 0, category, text })
         };
-        let saying = |told| ReplyExtras { said: vec![told], ..ReplyExtras::default() };
+        let with_message = |message| ReplyExtras { messages: vec![message], ..ReplyExtras::default() };
         let calls = |instance| Message::Calls(CallPiece { instance, bytes: Vec::new() });
-        for its_own in [said(Some(3), 9), said(None, 9), calls(3)] {
-            assert!(saying(its_own).is_of(holds));
+        for own in [log(Some(3), 9), log(None, 9), calls(3)] {
+            assert!(with_message(own).is_limited_to(holds));
         }
         let finished = Message::Finished(Finish { last_tick: 0, reason: Reason::StopTime });
-        for other in [said(Some(2), 9), said(Some(3), MOST_WORDS + 1), calls(2), Message::Saved(1), finished] {
-            assert!(!saying(other).is_of(holds));
+        for other in [log(Some(2), 9), log(Some(3), LONGEST_TEXT + 1), calls(2), Message::Saved(1), finished] {
+            assert!(!with_message(other).is_limited_to(holds));
         }
         let ended = Terminated { instance: 99, last_successful_time_s: 0.0 };
-        assert!(!ReplyExtras { terminated: vec![ended], ..ReplyExtras::default() }.is_of(holds));
-        let (doing, cause) = (Doing::BetweenCalls, Cause::Other("x".repeat(MOST_WORDS)));
+        assert!(!ReplyExtras { terminated: vec![ended], ..ReplyExtras::default() }.is_limited_to(holds));
+        let (doing, cause) = (Doing::BetweenCalls, Cause::Other("x".repeat(LONGEST_TEXT)));
         let lost = |instance, cause| Lost { instance, failure: Failure { instance: None, doing, time_s: None, cause } };
-        assert!(ReplyExtras { lost: Some(lost(3, Cause::Signal(9))), ..ReplyExtras::default() }.is_of(holds));
-        assert!(!ReplyExtras { lost: Some(lost(2, Cause::Signal(9))), ..ReplyExtras::default() }.is_of(holds));
-        assert!(!ReplyExtras { lost: Some(lost(3, cause)), ..ReplyExtras::default() }.is_of(holds));
+        assert!(ReplyExtras { lost: Some(lost(3, Cause::Signal(9))), ..ReplyExtras::default() }.is_limited_to(holds));
+        assert!(!ReplyExtras { lost: Some(lost(2, Cause::Signal(9))), ..ReplyExtras::default() }.is_limited_to(holds));
+        assert!(!ReplyExtras { lost: Some(lost(3, cause)), ..ReplyExtras::default() }.is_limited_to(holds));
     }
 
     proptest::proptest! {
         #[test]
-        fn any_bytes_are_read_without_a_panic(bytes: Vec<u8>) {
+        fn any_bytes_are_decoded_without_a_panic(bytes: Vec<u8>) {
             let _ = (ReplyExtras::read(&bytes), read::<OpenRequest>(&bytes).is_some(), read::<Initial>(&bytes));
         }
     }

@@ -1,4 +1,4 @@
-//! Messages survive the way, and bytes that are none do no harm.
+//! Messages are decoded as they were encoded, and invalid bytes are rejected without a panic.
 
 use super::*;
 use crate::flatten::wiring::VariableRange;
@@ -11,8 +11,8 @@ fn ports(counts: [usize; 4]) -> Ports {
     Ports { reals, integers, booleans, texts }
 }
 
-/// Values beside which others lie that are none of the message's business.
-fn around<T: Clone>(values: &[T], other: T) -> Vec<T> {
+/// Values with one more before and behind them, which no message may read or change.
+fn surrounded<T: Clone>(values: &[T], other: T) -> Vec<T> {
     std::iter::once(other.clone()).chain(values.iter().cloned()).chain([other]).collect()
 }
 
@@ -40,16 +40,16 @@ fn bits(values: &Values) -> (Vec<u64>, &[i32], &[i32], &[String]) {
 
 proptest! {
     #[test]
-    fn what_is_written_is_read_to_the_same_bits(all in prop::collection::vec(any_values(), 0..4), extras: Vec<u8>) {
+    fn encoded_values_are_decoded_to_the_same_bits(all in prop::collection::vec(any_values(), 0..4), extras: Vec<u8>) {
         let mut outgoing = Outgoing::new(&header());
         let ports_of = |values: &Values| {
             ports([values.reals.len(), values.integers.len(), values.booleans.len(), values.texts.len()])
         };
         let placed = |values: &Values| Values {
-            reals: around(&values.reals, 0.5),
-            integers: around(&values.integers, 5),
-            booleans: around(&values.booleans, 1),
-            texts: around(&values.texts, "other".to_owned()),
+            reals: surrounded(&values.reals, 0.5),
+            integers: surrounded(&values.integers, 5),
+            booleans: surrounded(&values.booleans, 1),
+            texts: surrounded(&values.texts, "other".to_owned()),
         };
         for (instance, values) in all.iter().enumerate() {
             outgoing.block(instance, &ports_of(values), &placed(values));
@@ -64,48 +64,48 @@ proptest! {
                 booleans: vec![0; values.booleans.len()],
                 texts: vec![String::new(); values.texts.len()],
             };
-            let mut read = placed(&blank);
-            incoming.blocks.read(instance, &ports_of(values), &mut read).unwrap();
-            let written = placed(values);
-            prop_assert_eq!(bits(&read), bits(&written));
+            let mut decoded = placed(&blank);
+            incoming.blocks.read(instance, &ports_of(values), &mut decoded).unwrap();
+            let encoded = placed(values);
+            prop_assert_eq!(bits(&decoded), bits(&encoded));
         }
         prop_assert_eq!(incoming.blocks.end(), Ok(()));
     }
 
     #[test]
-    fn any_bytes_are_read_without_a_panic(
-        mut bytes in prop::collection::vec(any::<u8>(), 0..200), ours: bool, counts: [u8; 4],
+    fn any_bytes_are_decoded_without_a_panic(
+        mut bytes in prop::collection::vec(any::<u8>(), 0..200), starts_like_ours: bool, counts: [u8; 4],
     ) {
-        if ours && bytes.len() >= 6 {
+        if starts_like_ours && bytes.len() >= 6 {
             bytes[..4].copy_from_slice(&MAGIC.to_le_bytes());
             bytes[4..6].copy_from_slice(&(Kind::Stepped as u16).to_le_bytes());
         }
-        read_anything(&bytes, counts.map(|count| usize::from(count % 4)));
+        is_valid(&bytes, counts.map(|count| usize::from(count % 4)));
     }
 
     #[test]
-    fn a_message_with_any_byte_changed_is_read_without_a_panic(
+    fn a_message_with_any_byte_changed_is_decoded_without_a_panic(
         values in any_values(), at: prop::sample::Index, to: u8, cut: prop::sample::Index,
     ) {
         let counts = [values.reals.len(), values.integers.len(), values.booleans.len(), values.texts.len()];
         let mut outgoing = Outgoing::new(&header());
         let placed = Values {
-            reals: around(&values.reals, 0.5),
-            integers: around(&values.integers, 5),
-            booleans: around(&values.booleans, 1),
-            texts: around(&values.texts, String::new()),
+            reals: surrounded(&values.reals, 0.5),
+            integers: surrounded(&values.integers, 5),
+            booleans: surrounded(&values.booleans, 1),
+            texts: surrounded(&values.texts, String::new()),
         };
         outgoing.block(0, &ports(counts), &placed);
-        let mut bytes = outgoing.finish(b"words");
-        prop_assert!(!read_anything(&bytes[..cut.index(bytes.len())], counts), "a message that is cut short is none");
+        let mut bytes = outgoing.finish(b"extras");
+        prop_assert!(!is_valid(&bytes[..cut.index(bytes.len())], counts), "a truncated message is rejected");
         let at = at.index(bytes.len());
         bytes[at] = to;
-        read_anything(&bytes, counts);
+        is_valid(&bytes, counts);
     }
 }
 
-/// Reads bytes as a worker's answer is read; whether they are one.
-fn read_anything(bytes: &[u8], counts: [usize; 4]) -> bool {
+/// Decodes bytes as the reply of a worker; whether they are valid.
+fn is_valid(bytes: &[u8], counts: [usize; 4]) -> bool {
     let Ok(mut incoming) = Incoming::read(bytes) else { return false };
     let mut values = Values {
         reals: vec![0.0; counts[0] + 2],
@@ -117,15 +117,15 @@ fn read_anything(bytes: &[u8], counts: [usize; 4]) -> bool {
 }
 
 #[test]
-fn each_lie_of_a_message_has_its_name() {
+fn each_defect_of_a_message_has_its_own_error() {
     let (reals, booleans) = (vec![0.0, 1.5, 0.0], vec![0, 1, 0]);
     let values = Values { reals, integers: vec![0], booleans, texts: vec![String::new()] };
-    let whole = |of: Ports| {
+    let encode = |ports: Ports| {
         let mut outgoing = Outgoing::new(&header());
-        outgoing.block(2, &of, &values);
+        outgoing.block(2, &ports, &values);
         outgoing.finish(b"")
     };
-    let good = whole(ports([1, 0, 1, 0]));
+    let good = encode(ports([1, 0, 1, 0]));
     let read = |bytes: &[u8], instance: usize, counts: [usize; 4]| {
         let mut incoming = Incoming::read(bytes)?;
         let mut values = values.clone();
@@ -151,7 +151,7 @@ fn each_lie_of_a_message_has_its_name() {
 }
 
 #[test]
-fn every_order_has_a_reply_sixteen_further() {
+fn the_number_of_a_reply_is_that_of_its_order_plus_sixteen() {
     for (order, reply) in Kind::ORDERS {
         assert_eq!((order.reply(), reply as u16), (Some(reply), order as u16 + 16));
         assert_eq!(reply.reply(), None);

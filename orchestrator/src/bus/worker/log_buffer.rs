@@ -1,68 +1,74 @@
-//! What units say until the next reply takes it along: on the board, where it outlives the process.
+//! Log messages and logged calls of a worker's units, from when they are written until the next reply takes them along.
+//!
+//! They wait on the board: it is a file mapped by the coordinator too, so they are not lost if a unit crashes the process.
+//! The board's ring is small and waits for its reader when full. Nothing reads it during an order, so this buffer
+//! moves its content to the process's memory before that.
 
 use crate::run::message::Message;
 use std::sync::{Arc, Mutex, PoisonError};
 use unit::board::Board;
 use unit::logger::LogMessage;
 
-/// One reply takes no more bytes of words than these; the rest is dropped, and how much that was is told. Calls are never.
+/// Log messages of one reply beyond so many bytes are dropped and counted, so that a reply stays shorter than the longest
+/// message of a link. Logged calls are never dropped: a call log must be complete.
 const MOST_BYTES: usize = 8 << 20;
 
-/// LogOrder that wait for a reply.
+/// Messages that wait for a reply.
 #[derive(Debug)]
 pub struct LogBuffer {
     board: Arc<Board>,
-    /// What was taken from the board to make room.
-    taken: Mutex<Taken>,
+    /// Messages that were moved from the board to make room there.
+    moved: Mutex<Moved>,
 }
 
 #[derive(Debug, Default)]
-struct Taken {
-    said: Vec<Message>,
+struct Moved {
+    messages: Vec<Message>,
     bytes: usize,
     dropped: usize,
 }
 
 impl LogBuffer {
     pub fn new(board: Arc<Board>) -> Arc<Self> {
-        Arc::new(Self { board, taken: Mutex::default() })
+        Arc::new(Self { board, moved: Mutex::default() })
     }
 
-    /// Keeps what a unit said, or a call; any thread may.
-    pub fn say(&self, told: &Message) {
-        let Ok(bytes) = postcard::to_stdvec(told) else { return };
-        let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+    /// Adds a log message or a logged call. A unit may log from any thread; the lock keeps two of them from seeing the same
+    /// room on the board.
+    pub fn push(&self, message: &Message) {
+        let Ok(bytes) = postcard::to_stdvec(message) else { return };
+        let mut moved = self.moved.lock().unwrap_or_else(PoisonError::into_inner);
         if !self.board.has_room_for(&bytes) {
-            taken.take_from(&self.board);
+            moved.move_from(&self.board);
         }
         self.board.push_message(&bytes);
     }
 
-    /// Hands over all that was said.
+    /// Takes all messages out, in order.
     pub fn take(&self) -> Vec<Message> {
-        let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
-        taken.take_from(&self.board);
-        let Taken { mut said, dropped, .. } = std::mem::take(&mut *taken);
-        let last_words =
-            said.iter().rev().find_map(|told| if let Message::Log(said) = told { Some(said) } else { None });
-        if let Some(last) = last_words.filter(|_| dropped > 0).cloned() {
+        let mut moved = self.moved.lock().unwrap_or_else(PoisonError::into_inner);
+        moved.move_from(&self.board);
+        let Moved { mut messages, dropped, .. } = std::mem::take(&mut *moved);
+        let last_log =
+            messages.iter().rev().find_map(|message| if let Message::Log(log) = message { Some(log) } else { None });
+        if let Some(last) = last_log.filter(|_| dropped > 0).cloned() {
             let text = format!("… ({dropped} more messages of this step are left out)");
-            said.push(Message::Log(LogMessage { text, ..last }));
+            messages.push(Message::Log(LogMessage { text, ..last }));
         }
-        said
+        messages
     }
 }
 
-impl Taken {
-    fn take_from(&mut self, board: &Board) {
+impl Moved {
+    fn move_from(&mut self, board: &Board) {
         board.pop_messages(|bytes| {
             match postcard::from_bytes(bytes) {
                 Ok(Message::Log(_)) if self.bytes > MOST_BYTES => self.dropped += 1,
-                Ok(told) => {
+                Ok(message) => {
                     self.bytes += bytes.len();
-                    self.said.push(told);
+                    self.messages.push(message);
                 }
-                // A unit scribbled on the board.
+                // A unit has overwritten a part of the board, which is in its process's memory.
                 Err(_) => self.dropped += 1,
             }
         });
@@ -78,33 +84,33 @@ mod tests {
         LogBuffer::new(Arc::new(Board::private(&BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap()))
     }
 
-    fn said(text: String) -> Message {
+    fn log(text: String) -> Message {
         let (instance, category) = (Some(0), String::new());
         Message::Log(LogMessage { instance, tick: 1, counts_at: 2, status: 0, category, text })
     }
 
-    fn texts(told: Vec<Message>) -> Vec<String> {
-        let text = |told| if let Message::Log(said) = told { Some(said.text) } else { None };
-        told.into_iter().filter_map(text).collect()
+    fn texts(messages: Vec<Message>) -> Vec<String> {
+        let text = |message| if let Message::Log(log) = message { Some(log.text) } else { None };
+        messages.into_iter().filter_map(text).collect()
     }
 
     #[test]
-    fn more_words_than_the_board_holds_are_kept_in_order() {
+    fn more_log_messages_than_the_board_holds_are_kept_in_order() {
         let log_buffer = log_buffer();
         let expected: Vec<_> = (0..3000).map(|i| format!("{i} {}", "x".repeat(1000))).collect();
-        expected.iter().for_each(|text| log_buffer.say(&said(text.clone())));
+        expected.iter().for_each(|text| log_buffer.push(&log(text.clone())));
         assert!(texts(log_buffer.take()) == expected);
         assert_eq!(log_buffer.take(), []);
     }
 
     #[test]
-    fn a_flood_of_words_is_cut_and_that_is_told() {
+    fn log_messages_beyond_the_limit_are_dropped_and_counted() {
         let log_buffer = log_buffer();
         let long = "x".repeat(60_000);
-        (0..1000).for_each(|_| log_buffer.say(&said(long.clone())));
-        let told = texts(log_buffer.take());
-        assert!(told.len() < 200, "{}", told.len());
-        let last = &told[told.len() - 1];
-        assert_eq!(last, &format!("… ({} more messages of this step are left out)", 1001 - told.len()));
+        (0..1000).for_each(|_| log_buffer.push(&log(long.clone())));
+        let texts = texts(log_buffer.take());
+        assert!(texts.len() < 200, "{}", texts.len());
+        let last = &texts[texts.len() - 1];
+        assert_eq!(last, &format!("… ({} more messages of this step are left out)", 1001 - texts.len()));
     }
 }

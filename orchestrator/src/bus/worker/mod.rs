@@ -1,12 +1,13 @@
-//! `lockstep worker --once`: a process that holds instances for one run and does what it is told, one order at a time.
+//! `lockstep worker --once`: a process that holds instances for one run and executes one order at a time.
 //!
-//! It takes orders from whoever started it: over a socket in that run's private folder, which nobody else may enter. When
-//! its standard input closes its coordinator is gone, and so is the process, whatever a unit is doing.
+//! Orders arrive over a socket in the run's private folder, which only its user can enter, so no password is needed. The
+//! coordinator holds the other end of the worker's standard input open. When that closes the coordinator has ended,
+//! however it ended, and a thread of the worker ends the process even if a unit is inside a call.
 
 mod log_buffer;
 mod service;
 
-use crate::bus::link::{Listening, put};
+use crate::bus::link::{LinkListener, put};
 use crate::host::orphan::end_when_orphaned;
 pub(super) use log_buffer::LogBuffer;
 pub(super) use service::Service;
@@ -16,10 +17,10 @@ use std::thread::{sleep, spawn};
 use std::time::Duration;
 use unit::board::Board;
 
-/// How often this process says that it lives.
-const BEAT: Duration = Duration::from_millis(100);
+/// The time between two heartbeats on the board.
+const HEARTBEAT_PERIOD: Duration = Duration::from_millis(100);
 
-/// Where a worker is: in the private folder of a run, by number.
+/// The place of a worker: the private folder of its run and its number there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Address {
     /// The run's private folder.
@@ -45,35 +46,36 @@ impl Address {
 /// Serves one run.
 ///
 /// # Errors
-/// What kept it from serving to the end.
+/// What prevented it from serving to the end.
 pub fn serve(address: &Address) -> Result<(), String> {
     let board = Board::open(&address.board()).map_err(|error| format!("cannot open the worker's board: {error}"))?;
     let board = Arc::new(board);
     end_when_orphaned(Some(&address.home));
-    live(Arc::clone(&board));
-    let line = Listening::on(&address.socket())?;
-    let (run, mut message) = line.next()?;
-    let answers = line.answer(&run)?;
+    start_heartbeat(Arc::clone(&board));
+    let link = LinkListener::bind(&address.socket())?;
+    let (run, mut message) = link.receive()?;
+    let replies = link.reply_publisher(&run)?;
     let mut service = Service::new(Arc::clone(&board), LogBuffer::new(board));
     loop {
-        put(&answers, &service.answer(&message)?)?;
+        put(&replies, &service.execute(&message)?)?;
         if service.is_over() {
             break;
         }
-        (_, message) = line.next()?;
+        (_, message) = link.receive()?;
     }
     drop(service);
-    drop(answers);
-    line.close();
+    drop(replies);
+    link.close();
     Ok(())
 }
 
-/// Says every now and then that this process lives: one that is stopped does not.
-fn live(board: Arc<Board>) {
+/// Counts up the board's pulse from a thread of its own, so that it goes on while a unit computes. Only a process that is
+/// stopped as a whole has no heartbeat; that tells it from one in a long call.
+fn start_heartbeat(board: Arc<Board>) {
     spawn(move || {
         loop {
             board.beat();
-            sleep(BEAT);
+            sleep(HEARTBEAT_PERIOD);
         }
     });
 }

@@ -1,8 +1,12 @@
-//! What a worker answers: greeted, told what to held, initialized, started, stepped, finished.
+//! The worker's side of the protocol: executes orders and composes the replies.
+//!
+//! Orders come in the sequence hello, open, initialise, start, step, finish. An order at the wrong time or with invalid
+//! content ends the worker: its coordinator never sends one, so the sender is not the coordinator or its memory is damaged.
+//! A failure of a unit is a regular reply.
 
 use super::LogBuffer;
 use crate::bus::link::LONGEST_MESSAGE;
-use crate::bus::wire::open_request::{self, GroupSpec, Handshake, Initial, OpenRequest, Picked, ReplyExtras};
+use crate::bus::wire::open_request::{self, GroupSpec, Handshake, Initial, OpenRequest, ReplyExtras, SelectedValues};
 use crate::bus::wire::{Blocks, Header, Incoming, Kind, Malformed, Outgoing};
 use crate::flatten::values::Values;
 use crate::flatten::wiring::{Group, InstancePorts, Ports};
@@ -16,7 +20,7 @@ use unit::archive::read_unpacked;
 use unit::board::Board;
 use unit::failure::{Cause, Doing, Failure};
 
-/// One run as a worker sees it.
+/// The state of one run in its worker.
 pub struct Service {
     board: Arc<Board>,
     log_buffer: Arc<LogBuffer>,
@@ -24,24 +28,24 @@ pub struct Service {
     schema: u64,
 }
 
-/// How far the run is.
+/// The phase of the run.
 enum Stage {
-    /// No message came yet.
+    /// No message was received.
     New,
     /// Coordinator and worker have exchanged their versions.
     HandshakeDone,
-    /// Instances are made, and freed with this.
+    /// Instances are instantiated; they are freed when this is dropped.
     Instantiated(Box<HeldInstances>, Vec<Instantiated>),
-    /// Instances are in initialization mode, or step.
+    /// Instances are in initialization mode or step.
     Initialized(Box<HeldInstances>, Box<InProcess>),
-    /// All is freed.
+    /// All instances are freed.
     Finished,
 }
 
-/// What was ordered to be held, with places for its values.
+/// The requested instances with the memory for their inputs and outputs.
 struct HeldInstances {
     request: OpenRequest,
-    /// By index in the scenario; those of others are empty.
+    /// By index in the scenario; empty for instances of other workers.
     ports: Vec<InstancePorts>,
     inputs: Values,
     outputs: Values,
@@ -52,20 +56,21 @@ impl Service {
         Self { board, log_buffer, stage: Stage::New, schema: 0 }
     }
 
-    /// Whether the last answer was the last.
+    /// Whether no further order is accepted.
     pub fn is_over(&self) -> bool {
         matches!(self.stage, Stage::Finished)
     }
 
-    /// Does what a message says, and answers it.
+    /// Executes the order in a message and returns the reply.
     ///
     /// # Errors
-    /// The message makes no sense: whoever sent it is not to be served.
-    pub fn answer(&mut self, message: &[u8]) -> Result<Vec<u8>, String> {
-        let Incoming { header, mut blocks, extras } = Incoming::read(message).map_err(|said| said.to_string())?;
+    /// The message is invalid, or the order comes at the wrong time.
+    pub fn execute(&mut self, message: &[u8]) -> Result<Vec<u8>, String> {
+        let Incoming { header, mut blocks, extras } =
+            Incoming::read(message).map_err(|malformed| malformed.to_string())?;
         let stage = std::mem::replace(&mut self.stage, Stage::Finished);
         let done = match (stage, header.kind) {
-            (Stage::New, Kind::Hello) => return self.shake_hands(header, extras),
+            (Stage::New, Kind::Hello) => return self.welcome(header, extras),
             (Stage::HandshakeDone, Kind::Open) => {
                 let request = open_request::read(extras).ok_or_else(|| Malformed::ReplyExtras.to_string())?;
                 self.open(request)
@@ -86,20 +91,21 @@ impl Service {
                 }
                 done?
             }
-            // Whoever could not be brought further is freed.
+            // Initialization failed here or in another worker: the instances are freed with the old stage.
             (Stage::Instantiated(..) | Stage::HandshakeDone, Kind::Finish) => Ok(Answer::default()),
             (_, kind) => return Err(format!("a message {kind:?} at the wrong time")),
         };
-        blocks.end().map_err(|said| said.to_string())?;
-        Ok(self.tell(header, done))
+        blocks.end().map_err(|malformed| malformed.to_string())?;
+        Ok(self.reply(header, done))
     }
 
-    fn shake_hands(&mut self, header: Header, extras: &[u8]) -> Result<Vec<u8>, String> {
-        // Who calls decides whether we get along; it reads from the answer who we are.
+    fn welcome(&mut self, header: Header, extras: &[u8]) -> Result<Vec<u8>, String> {
+        // The coordinator compares the versions. The worker only replies with its own: were it to refuse, the user would not
+        // be told which versions differ.
         serde_json::from_slice::<Handshake>(extras).map_err(|_| Malformed::ReplyExtras.to_string())?;
         self.stage = Stage::HandshakeDone;
         let this = serde_json::to_vec(&Handshake::this()).map_err(|error| error.to_string())?;
-        Ok(self.reply(header).finish(&this))
+        Ok(self.begin_reply(header).finish(&this))
     }
 
     fn open(&mut self, request: OpenRequest) -> Result<Answer, Lost> {
@@ -113,7 +119,7 @@ impl Service {
             units.push(UnitSpec { name, folder, description, sha256 });
         }
         let descriptions: Vec<_> = units.iter().map(|unit| &unit.description).collect();
-        // A layout that cannot be has no number, and then the coordinator knows.
+        // An impossible layout gets the number 0, which the coordinator rejects as different from its own.
         self.schema = request.schema(|unit| descriptions.get(unit).copied()).unwrap_or(0);
         let Some(held) = HeldInstances::new(request, &descriptions) else { return Ok(Answer::default()) };
         let mut instances = Vec::new();
@@ -123,7 +129,7 @@ impl Service {
             folder: &held.request.folder,
             note: self.board.note(0),
             step_ns: held.request.step_ns,
-            sink: Arc::new(move |told| log_buffer.say(&told)),
+            sink: Arc::new(move |message| log_buffer.push(&message)),
         };
         let new_instances = held.request.instances.iter().map(|spec| NewInstance {
             index: spec.index,
@@ -132,35 +138,36 @@ impl Service {
             presets: &spec.presets,
             log_calls: spec.log_calls,
         });
-        let made = instantiator.make(new_instances, &mut instances).map_err(|failure| lost(&held.request, failure));
+        let instantiated =
+            instantiator.make(new_instances, &mut instances).map_err(|failure| lost(&held.request, failure));
         self.stage = Stage::Instantiated(Box::new(held), instances);
-        made.map(|()| Answer::default())
+        instantiated.map(|()| Answer::default())
     }
 
-    fn reply(&self, order: Header) -> Outgoing {
+    fn begin_reply(&self, order: Header) -> Outgoing {
         let kind = order.kind.reply().unwrap_or_else(|| unreachable!("{:?} was answered as an order", order.kind));
         Outgoing::new(&Header { kind, schema: self.schema, ..order })
     }
 
-    /// The answer to an order, or why there is none, with what units said meanwhile.
-    fn tell(&self, order: Header, done: Result<Answer, Lost>) -> Vec<u8> {
-        let said = self.log_buffer.take();
-        let answer = self.compose(order, done, said.clone());
-        if answer.len() <= LONGEST_MESSAGE {
-            return answer;
+    /// The reply to an order: its result or failure, with what units have logged meanwhile.
+    fn reply(&self, order: Header, done: Result<Answer, Lost>) -> Vec<u8> {
+        let messages = self.log_buffer.take();
+        let reply = self.compose(order, done, messages.clone());
+        if reply.len() <= LONGEST_MESSAGE {
+            return reply;
         }
-        let text = format!("an answer of {} bytes is longer than the {LONGEST_MESSAGE} that can be sent", answer.len());
+        let text = format!("an answer of {} bytes is longer than the {LONGEST_MESSAGE} that can be sent", reply.len());
         let (doing, cause) = (Doing::BetweenCalls, Cause::Other(text));
         let failure = Failure { instance: None, doing, time_s: None, cause };
         let lost = match &self.stage {
             Stage::Instantiated(held, _) | Stage::Initialized(held, _) => lost(&held.request, failure),
             Stage::New | Stage::HandshakeDone | Stage::Finished => Lost { instance: 0, failure },
         };
-        self.compose(order, Err(lost), said)
+        self.compose(order, Err(lost), messages)
     }
 
-    fn compose(&self, order: Header, done: Result<Answer, Lost>, said: Vec<Message>) -> Vec<u8> {
-        let mut outgoing = self.reply(order);
+    fn compose(&self, order: Header, done: Result<Answer, Lost>, messages: Vec<Message>) -> Vec<u8> {
+        let mut outgoing = self.begin_reply(order);
         let extras = match done {
             Ok(Answer { extras, delivered }) => {
                 if let Stage::Initialized(held, _) = &self.stage {
@@ -172,20 +179,20 @@ impl Service {
             }
             Err(lost) => ReplyExtras { lost: Some(lost), ..ReplyExtras::default() },
         };
-        outgoing.finish(&ReplyExtras { said, ..extras }.bytes())
+        outgoing.finish(&ReplyExtras { messages, ..extras }.bytes())
     }
 }
 
-/// What came of an order.
+/// The result of an order.
 #[derive(Default)]
 struct Answer {
     extras: ReplyExtras,
-    /// The instances whose outputs go back.
+    /// The instances whose outputs are in the reply.
     delivered: Vec<usize>,
 }
 
 impl Answer {
-    fn saying(extras: ReplyExtras) -> Self {
+    fn with(extras: ReplyExtras) -> Self {
         Self { extras, ..Self::default() }
     }
 }
@@ -193,10 +200,10 @@ impl Answer {
 impl HeldInstances {
     /// `None` if the request names variables or instances that do not exist.
     fn new(request: OpenRequest, descriptions: &[&ModelDescription]) -> Option<Self> {
-        /// More instances than any scenario has.
-        const TOO_MANY: usize = 1 << 20;
+        /// More instances than any scenario has: a bound on the memory that a message can request.
+        const MOST_INSTANCES: usize = 1 << 20;
         let last = request.instances.iter().map(|instance| instance.index).max();
-        let count = last.map_or(Some(0), |last| last.checked_add(1).filter(|&count| count <= TOO_MANY))?;
+        let count = last.map_or(Some(0), |last| last.checked_add(1).filter(|&count| count <= MOST_INSTANCES))?;
         let mut held = Self {
             ports: vec![InstancePorts::default(); count],
             inputs: Values::default(),
@@ -226,7 +233,7 @@ impl HeldInstances {
         InProcess::new(self.request.step_ns, &groups, &self.ports, instances, board.note(0))
     }
 
-    /// Does what seated instances can do.
+    /// Executes an order to initialized instances. The outer error is an invalid order, the inner one a unit's failure.
     fn execute(
         &mut self,
         inner: &mut InProcess,
@@ -241,17 +248,17 @@ impl HeldInstances {
                 self.initialise(inner, initial).ok_or_else(|| Malformed::ReplyExtras.to_string())?
             }
             Kind::Start => {
-                let delivered = self.request.instances.iter().map(|held| held.index).collect();
+                let delivered = self.request.instances.iter().map(|instance| instance.index).collect();
                 inner.start(&mut self.outputs).map(|()| Answer { delivered, ..Answer::default() })
             }
-            Kind::Step => self.step(inner, header, blocks).map_err(|said| said.to_string())?,
+            Kind::Step => self.step(inner, header, blocks).map_err(|malformed| malformed.to_string())?,
             Kind::Save => {
-                inner.save(header.tick).map(|states| Answer::saying(ReplyExtras { states, ..ReplyExtras::default() }))
+                inner.save(header.tick).map(|states| Answer::with(ReplyExtras { states, ..ReplyExtras::default() }))
             }
             Kind::Restore => {
                 let states: Vec<(usize, &[u8])> =
                     open_request::read(extras).ok_or_else(|| Malformed::ReplyExtras.to_string())?;
-                let held = self.request.instances.iter().map(|held| held.index);
+                let held = self.request.instances.iter().map(|instance| instance.index);
                 if !states.iter().map(|(index, _)| *index).eq(held) {
                     return Err(Malformed::ReplyExtras.to_string());
                 }
@@ -265,20 +272,20 @@ impl HeldInstances {
     fn initialise(&mut self, inner: &mut InProcess, initial: Initial) -> Option<Result<Answer, Lost>> {
         match initial {
             Initial::Enter => None,
-            Initial::Set(Picked { instance, .. }) | Initial::Get(Picked { instance, .. })
+            Initial::Set(SelectedValues { instance, .. }) | Initial::Get(SelectedValues { instance, .. })
                 if !self.request.instances.iter().any(|held| held.index == instance) =>
             {
                 None
             }
-            Initial::Set(picked) => {
-                let set = inner.set_initial(picked.instance, &picked.picks()?, &picked.values);
+            Initial::Set(selected) => {
+                let set = inner.set_initial(selected.instance, &selected.slots()?, &selected.values);
                 Some(set.map(|()| Answer::default()))
             }
-            Initial::Get(picked) => {
-                let picks = picked.picks()?;
-                let Picked { instance, mut values, .. } = picked;
-                let got = inner.get_initial(instance, &picks, &mut values);
-                Some(got.map(|()| Answer::saying(ReplyExtras { values, ..ReplyExtras::default() })))
+            Initial::Get(selected) => {
+                let slots = selected.slots()?;
+                let SelectedValues { instance, mut values, .. } = selected;
+                let got = inner.get_initial(instance, &slots, &mut values);
+                Some(got.map(|()| Answer::with(ReplyExtras { values, ..ReplyExtras::default() })))
             }
         }
     }
@@ -307,12 +314,12 @@ impl HeldInstances {
     }
 }
 
-/// A failure as one of the instance that it names, or of the first.
+/// Assigns a failure to the instance that it names, else to the first one.
 fn lost(request: &OpenRequest, mut failure: Failure) -> Lost {
-    let named = request.instances.iter().find(|held| Some(&held.name) == failure.instance.as_ref());
-    let held = named.or(request.instances.first());
-    failure.instance = failure.instance.or_else(|| held.map(|held| held.name.clone()));
-    Lost { instance: held.map_or(0, |held| held.index), failure }
+    let named = request.instances.iter().find(|instance| Some(&instance.name) == failure.instance.as_ref());
+    let instance = named.or(request.instances.first());
+    failure.instance = failure.instance.or_else(|| instance.map(|instance| instance.name.clone()));
+    Lost { instance: instance.map_or(0, |instance| instance.index), failure }
 }
 
 #[cfg(test)]
@@ -322,11 +329,11 @@ mod tests {
     use proptest::prelude::*;
     use unit::board::BoardLayout;
 
-    fn greeted() -> Service {
+    fn service_after_hello() -> Service {
         let board = Arc::new(Board::private(&BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap());
         let mut service = Service::new(Arc::clone(&board), LogBuffer::new(board));
         let hello = Outgoing::new(&header(Kind::Hello)).finish(&serde_json::to_vec(&Handshake::this()).unwrap());
-        service.answer(&hello).unwrap();
+        service.execute(&hello).unwrap();
         service
     }
 
@@ -335,15 +342,15 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_at_the_wrong_time_is_not_served() {
+    fn an_order_at_the_wrong_time_is_rejected() {
         for kind in [Kind::Hello, Kind::Start, Kind::Step, Kind::Save, Kind::Initialise] {
-            assert!(greeted().answer(&Outgoing::new(&header(kind)).finish(&[])).is_err(), "{kind:?}");
+            assert!(service_after_hello().execute(&Outgoing::new(&header(kind)).finish(&[])).is_err(), "{kind:?}");
         }
     }
 
     #[test]
-    fn instances_without_number_or_unit_are_not_held() {
-        let held = |index, unit| open_request::InstanceSpec {
+    fn an_instance_with_an_impossible_index_or_unit_is_not_instantiated() {
+        let spec = |index, unit| open_request::InstanceSpec {
             index,
             name: "a".to_owned(),
             unit,
@@ -352,28 +359,27 @@ mod tests {
             inputs: Vec::new(),
             outputs: Vec::new(),
         };
-        for instance in [held(usize::MAX, 0), held(1 << 40, 0), held(0, 7)] {
+        for instance in [spec(usize::MAX, 0), spec(1 << 40, 0), spec(0, 7)] {
             let (folder, units, groups) = (std::path::PathBuf::new(), Vec::new(), Vec::new());
             let request = OpenRequest { step_ns: 1, folder, units, instances: vec![instance], groups };
-            let mut service = greeted();
-            let answer = service.answer(&Outgoing::new(&header(Kind::Open)).finish(&bytes(&request))).unwrap();
-            assert_eq!(Incoming::read(&answer).unwrap().header.schema, 0, "a layout that cannot be has no number");
+            let mut service = service_after_hello();
+            let reply = service.execute(&Outgoing::new(&header(Kind::Open)).finish(&bytes(&request))).unwrap();
+            assert_eq!(Incoming::read(&reply).unwrap().header.schema, 0, "the number of an impossible layout is 0");
             assert!(service.is_over());
         }
     }
 
     proptest! {
         #[test]
-        fn whatever_comes_is_answered_or_refused(
+        fn any_message_gets_a_valid_reply_or_is_rejected(
             extras in prop::collection::vec(any::<u8>(), 0..60), kind in 0..8_usize, raw: bool,
         ) {
             let kinds = [
                 Kind::Hello, Kind::Open, Kind::Initialise, Kind::Start, Kind::Step, Kind::Finish, Kind::Save, Kind::Restore,
             ];
             let message = if raw { extras } else { Outgoing::new(&header(kinds[kind])).finish(&extras) };
-            // Neither panics, and what is answered is a message.
-            if let Ok(answer) = greeted().answer(&message) {
-                prop_assert!(Incoming::read(&answer).is_ok());
+            if let Ok(reply) = service_after_hello().execute(&message) {
+                prop_assert!(Incoming::read(&reply).is_ok());
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Awaiting the answers of a worker, and telling what became of one that gives none.
+//! Connects to a worker, awaits its replies, and finds the cause when a reply does not come.
 
 use super::{PendingOrder, Remote, START_DEADLINE};
 use crate::bus::link::{Link, LinkEvent};
@@ -16,66 +16,68 @@ use std::time::{Duration, Instant};
 use unit::board::Board;
 use unit::failure::{Cause, Failure};
 
-/// How long one attempt to reach a process may take, and how many there are: between two it is seen whether it lives.
-const DIAL: Duration = Duration::from_secs(2);
-const DIALS: usize = 15;
-/// How long somebody who waits stays awake for an answer, where the run leaves a processor free: to be woken takes longer
-/// than most answers.
-const ATTENTION: Duration = Duration::from_micros(300);
-/// How often somebody who waits looks around.
-const LOOK: Duration = Duration::from_millis(50);
-/// How often somebody who waits for a process to come up looks.
-const LOOK_AT_START: Duration = Duration::from_millis(2);
-/// How long a process whose link is gone may take to end.
+/// The limit of one attempt to connect, and the number of attempts. Attempts are short because an attempt cannot be
+/// interrupted: between two it is checked whether the process still runs.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
+const CONNECT_ATTEMPTS: usize = 15;
+/// How long the coordinator polls for a reply before it blocks, if the workers leave a processor free: to wake a blocked
+/// thread takes longer than most steps.
+const POLL_TIME: Duration = Duration::from_micros(300);
+/// The time between two checks of the workers while a reply is awaited.
+const CHECK_PERIOD: Duration = Duration::from_millis(50);
+/// The time between two checks whether a starting process listens.
+const CHECK_PERIOD_AT_START: Duration = Duration::from_millis(2);
+/// How long a process whose link closed may take to end. Its exit status names the cause, but the system reports it a
+/// little later than the closed socket.
 const EXIT_AFTER_LINK_LOSS: Duration = Duration::from_secs(1);
 
 impl Remote<'_> {
-    /// Calls the process until it answers.
-    pub(super) fn call(&mut self, run: &str) -> Result<(), Failure> {
+    /// Connects to the process, with several attempts.
+    pub(super) fn establish_link(&mut self, run: &str) -> Result<(), Failure> {
         self.await_socket()?;
         let socket = self.handle.address.socket();
         let mut refused = String::new();
-        for _ in 0..DIALS {
-            match Link::connect(&socket, run, DIAL) {
+        for _ in 0..CONNECT_ATTEMPTS {
+            match Link::connect(&socket, run, CONNECT_TIMEOUT) {
                 Ok(link) => {
                     self.link = Some(link);
                     return self.await_ready();
                 }
                 Err(reason) => refused = reason,
             }
-            self.must_live()?;
+            self.check_process()?;
         }
         Err(self.give_up(0, Cause::Other(refused)).failure)
     }
 
-    /// Waits until the process listens.
+    /// Waits until the process has made its socket.
     fn await_socket(&mut self) -> Result<(), Failure> {
-        let mut patience = Watchdog::new(START_DEADLINE);
-        let mut looked = Instant::now();
-        while !is_there(&self.handle.address.socket()) {
-            self.is_expected(&mut patience, looked.elapsed())?;
-            looked = Instant::now();
-            sleep(LOOK_AT_START);
+        let mut start_deadline = Watchdog::new(START_DEADLINE);
+        let mut checked = Instant::now();
+        while !is_socket(&self.handle.address.socket()) {
+            self.check_start(&mut start_deadline, checked.elapsed())?;
+            checked = Instant::now();
+            sleep(CHECK_PERIOD_AT_START);
         }
         Ok(())
     }
 
-    /// Waits until orders reach the process.
+    /// Waits until the process receives orders.
     fn await_ready(&mut self) -> Result<(), Failure> {
-        let mut patience = Watchdog::new(START_DEADLINE);
+        let mut start_deadline = Watchdog::new(START_DEADLINE);
         loop {
             let began = Instant::now();
-            match self.listen(LOOK) {
+            match self.next_event(CHECK_PERIOD) {
                 Ok(LinkEvent::Ready) => return Ok(()),
                 Ok(LinkEvent::Gone) | Err(RecvTimeoutError::Disconnected) => return Err(self.died(0).failure),
                 Ok(LinkEvent::Message(_)) | Err(RecvTimeoutError::Timeout) => {}
             }
-            self.is_expected(&mut patience, began.elapsed())?;
+            self.check_start(&mut start_deadline, began.elapsed())?;
         }
     }
 
-    /// Whether the process lives.
-    fn must_live(&mut self) -> Result<(), Failure> {
+    /// Returns the failure of a process that has ended or was killed.
+    fn check_process(&mut self) -> Result<(), Failure> {
         let number = self.handle.address.number;
         if self.handle.processes.were_killed() || self.handle.processes.ended(number).is_some() {
             return Err(self.died(0).failure);
@@ -83,89 +85,91 @@ impl Remote<'_> {
         Ok(())
     }
 
-    /// Whether the process may still come up, `since` after the last look.
-    fn is_expected(&mut self, patience: &mut Watchdog<()>, since: Duration) -> Result<(), Failure> {
-        self.must_live()?;
-        if patience.expired(since, Some(())) {
+    /// Returns a failure if the process has ended or is late, `since` after the last check.
+    fn check_start(&mut self, start_deadline: &mut Watchdog<()>, since: Duration) -> Result<(), Failure> {
+        self.check_process()?;
+        if start_deadline.expired(since, Some(())) {
             let text = format!("its worker did not come up within {} s", START_DEADLINE.as_secs());
             return Err(self.give_up(0, Cause::Other(text)).failure);
         }
         Ok(())
     }
 
-    fn listen(&self, patience: Duration) -> Result<LinkEvent, RecvTimeoutError> {
+    /// Waits for the next event of the link.
+    fn next_event(&self, timeout: Duration) -> Result<LinkEvent, RecvTimeoutError> {
         let Some(link) = &self.link else { return Err(RecvTimeoutError::Disconnected) };
-        if self.handle.processes.has_room() {
+        if self.handle.processes.have_processors_left() {
             let began = Instant::now();
-            while began.elapsed() < ATTENTION {
+            while began.elapsed() < POLL_TIME {
                 match link.events().try_recv() {
                     Err(TryRecvError::Empty) => yield_now(),
                     event => return event.map_err(|_| RecvTimeoutError::Disconnected),
                 }
             }
         }
-        link.events().recv_timeout(patience)
+        link.events().recv_timeout(timeout)
     }
 
-    /// Awaits the reply to an order and tells what it says besides; `take` takes the values of its blocks.
+    /// Awaits the reply to an order, passes its messages on and returns its other extras; `read_blocks` reads its blocks.
     ///
     /// # Errors
-    /// What the worker says went wrong, or what became of it.
-    pub(super) fn answer(
+    /// The failure in the reply, or that of the worker.
+    pub(super) fn await_reply(
         &mut self,
         pending: PendingOrder,
-        take: impl FnOnce(&[(usize, InstancePorts)], &mut Blocks<'_>) -> Result<(), Malformed>,
+        read_blocks: impl FnOnce(&[(usize, InstancePorts)], &mut Blocks<'_>) -> Result<(), Malformed>,
     ) -> Result<ReplyExtras, Lost> {
-        let message = self.hear(pending.header)?;
-        let said = self.understand(pending.header, &message, take);
-        let extras = said.map_err(|reason| self.give_up(pending.header.tick, Cause::Other(reason)))?;
+        let message = self.receive(pending.header)?;
+        let decoded = self.decode_reply(pending.header, &message, read_blocks);
+        let extras = decoded.map_err(|reason| self.give_up(pending.header.tick, Cause::Other(reason)))?;
         match extras.lost {
             Some(lost) => Err(lost),
             None => Ok(extras),
         }
     }
 
-    /// Awaits the reply to a step whose result nobody wants any more.
-    pub(super) fn overrun(&mut self, pending: PendingOrder) -> Result<(), Lost> {
-        let message = self.hear(pending.header)?;
+    /// Awaits the reply to a step whose result is no longer needed, and passes its messages on.
+    pub(super) fn drain(&mut self, pending: PendingOrder) -> Result<(), Lost> {
+        let message = self.receive(pending.header)?;
         let extras = Incoming::read(&message).ok().and_then(|message| ReplyExtras::read(message.extras));
-        if let Some(extras) = extras.filter(|extras| extras.is_of(|index| self.holds(index))) {
-            extras.said.into_iter().for_each(|said| (self.sink)(said));
+        if let Some(extras) = extras.filter(|extras| extras.is_limited_to(|index| self.holds(index))) {
+            extras.messages.into_iter().for_each(|message| (self.sink)(message));
         }
         Ok(())
     }
 
-    fn understand(
+    /// Checks and decodes a reply, and passes its messages on.
+    fn decode_reply(
         &self,
         order: Header,
         message: &[u8],
-        take: impl FnOnce(&[(usize, InstancePorts)], &mut Blocks<'_>) -> Result<(), Malformed>,
+        read_blocks: impl FnOnce(&[(usize, InstancePorts)], &mut Blocks<'_>) -> Result<(), Malformed>,
     ) -> Result<ReplyExtras, String> {
-        let told = |malformed: Malformed| format!("its worker answered with {malformed}");
-        let Incoming { header, mut blocks, extras } = Incoming::read(message).map_err(told)?;
-        self.fits(order, header)?;
+        let text = |malformed: Malformed| format!("its worker answered with {malformed}");
+        let Incoming { header, mut blocks, extras } = Incoming::read(message).map_err(text)?;
+        self.check_header(order, header)?;
         if order.kind == crate::bus::wire::Kind::Hello {
-            let speaker: Handshake = serde_json::from_slice(extras).map_err(|_| told(Malformed::ReplyExtras))?;
-            return Handshake::this().agrees_with(&speaker).map(|()| ReplyExtras::default());
+            let worker: Handshake = serde_json::from_slice(extras).map_err(|_| text(Malformed::ReplyExtras))?;
+            return Handshake::this().agrees_with(&worker).map(|()| ReplyExtras::default());
         }
-        let mut extras = ReplyExtras::read(extras).ok_or_else(|| told(Malformed::ReplyExtras))?;
-        if !extras.is_of(|index| self.holds(index)) {
+        let mut extras = ReplyExtras::read(extras).ok_or_else(|| text(Malformed::ReplyExtras))?;
+        if !extras.is_limited_to(|index| self.holds(index)) {
             return Err("its worker spoke for others".to_owned());
         }
-        std::mem::take(&mut extras.said).into_iter().for_each(|said| (self.sink)(said));
+        std::mem::take(&mut extras.messages).into_iter().for_each(|message| (self.sink)(message));
         if extras.lost.is_some() {
             return Ok(extras);
         }
         if header.schema != self.schema {
             return Err("its worker has another layout of values: the unit is not the one that was checked".to_owned());
         }
-        take(&self.ports, &mut blocks).map_err(told)?;
-        blocks.end().map_err(told)?;
+        read_blocks(&self.ports, &mut blocks).map_err(text)?;
+        blocks.end().map_err(text)?;
         Ok(extras)
     }
 
-    /// Whether a reply repeats what its order said.
-    fn fits(&self, order: Header, reply: Header) -> Result<(), String> {
+    /// Checks that a reply is that to this order: of its kind, tick and group. Its number was checked on arrival.
+    fn check_header(&self, order: Header, reply: Header) -> Result<(), String> {
         let differ = |what: &str, found: u64, expected: u64| {
             Err(format!("its worker answered for {what} {found}, expected {expected}"))
         };
@@ -185,8 +189,9 @@ impl Remote<'_> {
         self.ports.iter().any(|(index, _)| *index == instance)
     }
 
-    /// Waits for the reply to an order.
-    fn hear(&mut self, order: Header) -> Result<Vec<u8>, Lost> {
+    /// Waits for the reply to an order. The worker replies in the sequence of its orders, but the loop may await them in
+    /// another one; replies to other pending orders are stored until then.
+    fn receive(&mut self, order: Header) -> Result<Vec<u8>, Lost> {
         if let Some(dead) = &self.dead {
             return Err(dead.clone());
         }
@@ -195,14 +200,14 @@ impl Remote<'_> {
         }
         loop {
             let began = Instant::now();
-            match self.listen(LOOK) {
+            match self.next_event(CHECK_PERIOD) {
                 Ok(LinkEvent::Message(message)) => match sequence_of(&message) {
-                    Some(sequence) if self.is_awaited(sequence) => drop(self.early.insert(sequence, message)),
+                    Some(sequence) if self.is_pending(sequence) => drop(self.early.insert(sequence, message)),
                     Some(sequence) if sequence != order.sequence => {
                         let text = format!("its worker answered order {sequence}, expected {}", order.sequence);
                         return Err(self.give_up(order.tick, Cause::Other(text)));
                     }
-                    // What is no message at all is told as what it is.
+                    // Also an invalid message, whose defect is reported when it is decoded.
                     _ => return Ok(message),
                 },
                 Ok(LinkEvent::Gone) | Err(RecvTimeoutError::Disconnected) => return Err(self.died(order.tick)),
@@ -212,17 +217,18 @@ impl Remote<'_> {
                 }
                 Err(RecvTimeoutError::Timeout) => {}
             }
-            if let Some(cause) = self.handle.hang_monitor.look(self.handle.address.number, began.elapsed()) {
+            if let Some(cause) = self.handle.hang_monitor.check(self.handle.address.number, began.elapsed()) {
                 return Err(self.give_up(order.tick, cause));
             }
         }
     }
 
-    fn is_awaited(&self, sequence: u64) -> bool {
+    fn is_pending(&self, sequence: u64) -> bool {
         self.under_way.values().any(|pending| pending.header.sequence == sequence)
     }
 
-    /// The process is gone, or about to be: how it ended, and what its units said last.
+    /// The failure of a process whose link closed or that has ended. A process that does not end although its link closed
+    /// is either stopped, if its heartbeat has stopped too, or has closed the link itself.
     fn died(&mut self, tick: u64) -> Lost {
         let pulse = self.handle.board.pulse();
         let cause = match self.handle.processes.ends_within(self.handle.address.number, EXIT_AFTER_LINK_LOSS) {
@@ -233,14 +239,15 @@ impl Remote<'_> {
         self.give_up(tick, cause)
     }
 
-    /// Ends the process for this cause; nothing can be pending any more.
+    /// Kills the process for this cause, and passes on the messages that are left on its board.
     pub(super) fn give_up(&mut self, tick: u64, cause: Cause) -> Lost {
         self.handle.processes.kill(self.handle.address.number);
-        // Opened anew, to read on where the process itself had read to.
+        // The worker itself reads its board's ring, for its replies. A new view starts where the worker stopped reading; the
+        // present one would start where this process began.
         if let Ok(board) = Board::open(&self.handle.address.board()) {
             board.pop_messages(|bytes| {
-                if let Ok(told @ (Message::Log(_) | Message::Calls(_))) = postcard::from_bytes(bytes) {
-                    (self.sink)(told);
+                if let Ok(message @ (Message::Log(_) | Message::Calls(_))) = postcard::from_bytes(bytes) {
+                    (self.sink)(message);
                 }
             });
         }
@@ -254,8 +261,8 @@ fn sequence_of(message: &[u8]) -> Option<u64> {
     Incoming::read(message).ok().map(|message| message.header.sequence)
 }
 
-/// Whether a socket is there.
-fn is_there(socket: &Path) -> bool {
+/// Whether there is a socket at this path.
+fn is_socket(socket: &Path) -> bool {
     use std::os::unix::fs::FileTypeExt;
     socket.symlink_metadata().is_ok_and(|file| file.file_type().is_socket())
 }

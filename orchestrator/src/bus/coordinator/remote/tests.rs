@@ -1,7 +1,7 @@
-//! Workers that lie: a real one answers, and what it says is changed on the handle.
+//! Faulty workers: a real service replies, and its replies are changed before they are sent.
 
 use super::*;
-use crate::bus::link::{Listening, put};
+use crate::bus::link::{LinkListener, put};
 use crate::bus::worker::{LogBuffer, Service};
 use crate::run::stepping::tests::spec;
 use crate::run::worker::Terminated;
@@ -13,14 +13,14 @@ use std::thread;
 use unit::archive::unpack;
 use unit::board::BoardLayout;
 
-/// Exchanges an answer of a kind; `None` keeps it back.
-type Lie = fn(Vec<u8>) -> Option<Vec<u8>>;
+/// Changes a reply; `None` does not send it.
+type Fault = fn(Vec<u8>) -> Option<Vec<u8>>;
 
 const TICK: u64 = 7;
-/// Where things stand in a message.
+/// Offsets of fields in a message.
 const SEQUENCE_AT: usize = 16;
 const TICK_AT: usize = 24;
-const ASIDE_AT: usize = 36;
+const EXTRAS_AT: usize = 36;
 const FIRST_BLOCK_AT: usize = 40;
 
 fn changed(mut bytes: Vec<u8>, at: usize, to: u8) -> Option<Vec<u8>> {
@@ -28,40 +28,40 @@ fn changed(mut bytes: Vec<u8>, at: usize, to: u8) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// Says that an instance is done for good that is not there.
-fn speak_for_others(bytes: Vec<u8>) -> Option<Vec<u8>> {
+/// Adds the end of an instance that the worker does not hold.
+fn report_foreign_instance(bytes: Vec<u8>) -> Option<Vec<u8>> {
     let ended = Terminated { instance: 99, last_successful_time_s: 0.0 };
     let extras = ReplyExtras { terminated: vec![ended], ..ReplyExtras::default() }.bytes();
-    let mut message = changed(bytes, ASIDE_AT, u8::try_from(extras.len()).unwrap())?;
+    let mut message = changed(bytes, EXTRAS_AT, u8::try_from(extras.len()).unwrap())?;
     message.extend(extras);
     Some(message)
 }
 
-/// Answers as a worker does, but lies in answers of this kind.
-fn serve(address: &Address, kind: Kind, lie: Lie, over: &AtomicBool) {
+/// Serves as a worker does, with a fault in replies of this kind.
+fn serve(address: &Address, kind: Kind, fault: Fault, over: &AtomicBool) {
     let board = Arc::new(Board::open(&address.board()).unwrap());
     let mut service = Service::new(Arc::clone(&board), LogBuffer::new(Arc::clone(&board)));
-    let line = Listening::on(&address.socket()).unwrap();
-    let mut answers = None;
+    let link = LinkListener::bind(&address.socket()).unwrap();
+    let mut replies = None;
     while !over.load(Ordering::Acquire) {
-        let Ok((run, order)) = line.next_within(Duration::from_millis(20)) else { continue };
+        let Ok((run, order)) = link.receive_within(Duration::from_millis(20)) else { continue };
         board.beat();
-        let answers = answers.get_or_insert_with(|| line.answer(&run).unwrap());
-        let pending = crate::bus::wire::Incoming::read(&order).unwrap().header.kind;
-        let answer = service.answer(&order).unwrap();
-        let told = if pending.reply() == Some(kind) { lie(answer) } else { Some(answer) };
-        if let Some(told) = told {
-            put(answers, &told).unwrap();
+        let replies = replies.get_or_insert_with(|| link.reply_publisher(&run).unwrap());
+        let order_kind = crate::bus::wire::Incoming::read(&order).unwrap().header.kind;
+        let reply = service.execute(&order).unwrap();
+        let reply = if order_kind.reply() == Some(kind) { fault(reply) } else { Some(reply) };
+        if let Some(reply) = reply {
+            put(replies, &reply).unwrap();
         }
         if service.is_over() {
             break;
         }
     }
-    line.close();
+    link.close();
 }
 
-/// Goes through a whole run of one step with a worker that lies; what becomes of it, and what its unit said.
-fn told_by(kind: Kind, lie: Lie) -> (Result<Values, String>, usize) {
+/// Makes a whole run of one step with a faulty worker; returns its outputs or failure, and the number of log messages.
+fn run_with(kind: Kind, fault: Fault) -> (Result<Values, String>, usize) {
     let (folder, fmu) = Foreign::default().build();
     let unpacked = unpack(&fmu, &folder.path().join("unpacked")).unwrap();
     let spec = spec(10, &unpacked);
@@ -70,18 +70,18 @@ fn told_by(kind: Kind, lie: Lie) -> (Result<Values, String>, usize) {
     let address = Address { home: folder.path().to_owned(), number: 0 };
     let board = Arc::new(Board::create(&address.board(), &BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap());
     let processes = Arc::new(WorkerProcesses::start(&repository().join("tests/foreign/idle.sh"), [&address]).unwrap());
-    let words = Arc::new(Mutex::new(0));
-    let event = Arc::clone(&words);
-    let sink: MessageSink = Arc::new(move |_| *event.lock().unwrap() += 1);
+    let count = Arc::new(Mutex::new(0));
+    let counter = Arc::clone(&count);
+    let sink: MessageSink = Arc::new(move |_| *counter.lock().unwrap() += 1);
     let hang_monitor = Arc::new(HangMonitor::new(&[Arc::clone(&board)], Some(Duration::from_millis(400))));
     let handle = WorkerHandle { address: address.clone(), board, processes, hang_monitor };
     let over = Arc::new(AtomicBool::new(false));
-    let until = Arc::clone(&over);
-    let worker = thread::spawn(move || serve(&address, kind, lie, &until));
+    let stop = Arc::clone(&over);
+    let worker = thread::spawn(move || serve(&address, kind, fault, &stop));
     let mut outputs = wiring.outputs.clone();
-    let go = || -> Result<(), Failure> {
+    let run = || -> Result<(), Failure> {
         let mut remote = Remote::connect(&spec, &wiring, handle, sink, "0123456789abcdef")?;
-        let mut fly = || {
+        let mut run_once = || {
             for step in [Remote::shake_hands, Remote::open, Remote::enter] {
                 let pending = step(&mut remote)?;
                 remote.confirm(pending)?;
@@ -91,31 +91,31 @@ fn told_by(kind: Kind, lie: Lie) -> (Result<Values, String>, usize) {
             remote.reply(ticket, TICK + 1, &mut outputs)?;
             remote.finish(TICK + 1, Shutdown::Orderly)
         };
-        let ran = fly().map_err(|lost| lost.failure);
+        let ran = run_once().map_err(|lost| lost.failure);
         if ran.is_err() {
             assert!(remote.order(&Order { group: 0, tick: TICK, inputs: &wiring.inputs }).is_err(), "it stays lost");
             remote.finish(TICK, Shutdown::Immediate).unwrap();
         }
         ran
     };
-    let told = go().map_err(|failure| failure.to_string());
+    let result = run().map_err(|failure| failure.to_string());
     over.store(true, Ordering::Release);
     worker.join().unwrap();
-    let words = *words.lock().unwrap();
-    (told.map(|()| outputs), words)
+    let count = *count.lock().unwrap();
+    (result.map(|()| outputs), count)
 }
 
 #[test]
-fn an_honest_worker_brings_the_outputs_and_the_words_of_its_unit() {
-    let (told, words) = told_by(Kind::Stepped, Some);
+fn a_worker_without_a_fault_returns_outputs_and_log_messages() {
+    let (result, messages) = run_with(Kind::Stepped, Some);
     // y = 0 + h (2 u - 0) with the step of a millisecond, and u = 0.
-    assert_eq!(told.map(|outputs| outputs.reals), Ok(vec![0.0, 0.0]));
-    assert_eq!(words, 2, "after being made and when it was done");
+    assert_eq!(result.map(|outputs| outputs.reals), Ok(vec![0.0, 0.0]));
+    assert_eq!(messages, 2, "after instantiation and at the end");
 }
 
 #[test]
-fn every_lie_of_a_worker_is_told_with_instance_and_time() {
-    let lies: [(Kind, Lie, &str); 13] = [
+fn every_fault_of_a_worker_is_reported_with_instance_and_time() {
+    let faults: [(Kind, Fault, &str); 13] = [
         (
             Kind::Stepped,
             |_| Some(b"garbage".to_vec()),
@@ -166,11 +166,11 @@ fn every_lie_of_a_worker_is_told_with_instance_and_time() {
             |bytes| Some(String::from_utf8_lossy(&bytes).replace("\"protocol\":1", "\"protocol\":9").into_bytes()),
             "`a`: its worker has protocol 9, this program 1, at 0 s",
         ),
-        (Kind::Stepped, speak_for_others, "`a`: its worker spoke for others, at 0.007 s"),
+        (Kind::Stepped, report_foreign_instance, "`a`: its worker spoke for others, at 0.007 s"),
         (Kind::Finished, |_| Some(Vec::new()), "`a`: its worker answered with a message that is cut short, at 0.008 s"),
     ];
-    for (kind, lie, expected) in lies {
-        let (told, _) = told_by(kind, lie);
-        assert_eq!(told.map(drop), Err(expected.to_owned()), "{kind:?}");
+    for (kind, fault, expected) in faults {
+        let (result, _) = run_with(kind, fault);
+        assert_eq!(result.map(drop), Err(expected.to_owned()), "{kind:?}");
     }
 }
