@@ -1,11 +1,11 @@
-//! Compiles expressions to programs and lists the signals that they read.
+//! Compiles expressions to programs.
 
 use super::{Binary, Operation, Program, Text, Unary};
 use crate::flatten::values::Slot;
 use dsl::scenario::{BooleanExpression, Curve, Function, Margin, Operand, Port, RealExpression, Value};
 use fmi2::description::BaseType;
 
-/// Where the value of a port stands; asked for every signal of an expression.
+/// Returns the slot of a port; called for every signal of an expression.
 pub type SlotOf<'a> = dyn FnMut(Port) -> Slot + 'a;
 
 impl Program {
@@ -131,7 +131,7 @@ impl Compiler<'_, '_> {
         }
     }
 
-    /// Joins the arguments from left to right, each one first passed through `each`.
+    /// Combines the arguments from left to right, each one first passed through `each`.
     fn fold(&mut self, arguments: &[RealExpression], each: Option<Unary>, join: Binary) {
         assert!(!arguments.is_empty(), "a function was resolved without arguments");
         for (position, argument) in arguments.iter().enumerate() {
@@ -165,9 +165,9 @@ impl Compiler<'_, '_> {
         }
     }
 
-    fn join(&mut self, conditions: &[BooleanExpression], of_none: bool, join: Binary) {
+    fn join(&mut self, conditions: &[BooleanExpression], if_empty: bool, join: Binary) {
         if conditions.is_empty() {
-            self.push(Operation::Push(super::truth(of_none)));
+            self.push(Operation::Push(super::truth(if_empty)));
         }
         for (position, condition) in conditions.iter().enumerate() {
             self.condition(condition);
