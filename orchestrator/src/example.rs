@@ -1,4 +1,4 @@
-//! A small scenario with what belongs to it, for tests.
+//! A small scenario, claim, run record and model description for tests.
 
 use dsl::scenario::{BooleanExpression, Claim, Formula, Instance, Parameter, Scenario};
 use fmi2::description::{
@@ -37,7 +37,7 @@ pub fn claim(name: &str, text: &str) -> Claim {
     Claim { name: name.to_owned(), text: text.to_owned(), line: 34, formula, unit: None, limit: None }
 }
 
-/// The record of a run that has begun.
+/// The record of a run that is in progress.
 pub fn record() -> RunRecord {
     let file = |name: &str| HashedFile { name: name.to_owned(), sha256: "0".repeat(64) };
     RunRecord {

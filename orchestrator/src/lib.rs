@@ -1,4 +1,4 @@
-//! Runs scenarios: loads units, steps them in lockstep, judges claims and leaves results that people look at.
+//! Runs scenarios: loads units, steps them in lockstep, judges claims and writes the results.
 //!
 //! ```text
 //! lockstep run ── parent: finds units, checks the script, writes every file, prints everything ── supervise
@@ -8,7 +8,7 @@
 //! ```
 //!
 //! With `--isolate` the loop is a thread of the parent and each unit has a worker process, see [`bus`]. Whatever a unit does
-//! to its process, the parent still holds the rows and the last words.
+//! to its process, the parent still has the rows, the log messages and the call in progress.
 
 #![forbid(unsafe_code)]
 

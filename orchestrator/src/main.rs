@@ -1,4 +1,4 @@
-//! The program `lockstep`: arguments in, exit code out.
+//! The program `lockstep`: parses the arguments, runs the command and returns its exit code.
 #![forbid(unsafe_code)]
 
 use clap::Parser;

@@ -1,10 +1,10 @@
-//! What each recorded column is, from the scenario and the descriptions of its units.
+//! The metadata of each recorded column, from the scenario and the descriptions of its units.
 
 use dsl::scenario::{Column, Scenario};
 use fmi2::description::{BaseType, Kind, ModelDescription, Variable};
 use results::signals::{Signal, SlotType};
 
-/// What the columns of a scenario are, in their order; `description_of` gives the description of an instance.
+/// The signals of a scenario's columns, in their order; `description_of` returns the description of an instance.
 pub fn of<'a>(
     scenario: &'a Scenario,
     description_of: impl Fn(usize) -> &'a ModelDescription,

@@ -1,7 +1,7 @@
-//! Computed values: expressions of the script as flat programs for a small stack machine.
+//! Expressions of the script as flat programs for a small stack machine.
 //!
 //! Conditions run on the same stack, where true is 1 and false is 0. A program owns its stack, so evaluating it
-//! allocates nothing. Next on the walk: `wiring.rs`, which places the signals that programs read.
+//! allocates nothing. Next on the walk: `wiring.rs`, which assigns the slots that programs read.
 
 mod compile;
 pub use compile::SlotOf;
@@ -11,14 +11,14 @@ mod tests;
 use crate::flatten::values::Values;
 use dsl::scenario::{Curve, Function};
 
-/// What a program reads: one moment of a run.
+/// What a program reads: the state of a run at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<'a> {
     /// The outputs of all instances.
     pub outputs: &'a Values,
     /// Seconds since the start.
     pub time_s: f64,
-    /// For each slot of `Scenario::rises` whether its condition holds now and did not at the sample before.
+    /// For each condition of `Scenario::rises` whether it holds now and did not hold at the sample before.
     pub rises: &'a [bool],
 }
 

@@ -1,4 +1,4 @@
-//! From a scenario to what the step loop works on: values in flat arrays, programs, the order of steps, claims.
+//! Converts a scenario to what the step loop works on: flat arrays of values, programs, the order of steps, claims.
 
 pub mod claims;
 pub mod columns;

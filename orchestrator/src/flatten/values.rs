@@ -18,10 +18,10 @@ pub struct Values {
     pub texts: Vec<String>,
 }
 
-/// A place in [`Values`].
+/// The index of one value in [`Values`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Slot {
-    /// Which array.
+    /// The type, which selects the array.
     pub base: BaseType,
     /// The index into it.
     pub index: usize,
@@ -52,7 +52,7 @@ impl Values {
         Slot { base, index }
     }
 
-    /// How many slots each array has, as ranges that begin and end there.
+    /// The end of each array as an empty range.
     #[must_use]
     pub fn end(&self) -> Ranges {
         let at = |length: usize| length..length;
@@ -64,7 +64,7 @@ impl Values {
         }
     }
 
-    /// Copies these ranges of another block of the same layout; allocates only where a text outgrows its place.
+    /// Copies these ranges from values of the same layout; allocates only where a text is longer than its buffer.
     pub fn copy_ranges(&mut self, from: &Self, ranges: &Ranges) {
         self.reals[ranges.reals.clone()].copy_from_slice(&from.reals[ranges.reals.clone()]);
         self.integers[ranges.integers.clone()].copy_from_slice(&from.integers[ranges.integers.clone()]);
@@ -72,7 +72,7 @@ impl Values {
         self.texts[ranges.texts.clone()].clone_from_slice(&from.texts[ranges.texts.clone()]);
     }
 
-    /// Copies one value of another block to a slot of the same type.
+    /// Copies one value of other values to a slot of the same type.
     ///
     /// # Panics
     /// If the slots are of different types.
@@ -89,7 +89,7 @@ impl Values {
     /// Stores a value of the script.
     ///
     /// # Panics
-    /// If the value is not of the slot's type, which the checks of the language exclude.
+    /// If the value is not of the slot's type; the resolver excludes that.
     pub fn store(&mut self, slot: Slot, value: &Value) {
         match (slot.base, value) {
             (BaseType::Real, Value::Real(value)) => self.reals[slot.index] = *value,
@@ -102,7 +102,7 @@ impl Values {
 }
 
 impl Ranges {
-    /// From where this begins to where the other ends.
+    /// The ranges from the start of this to the end of the other.
     #[must_use]
     pub fn to(&self, end: &Self) -> Self {
         Self {
@@ -114,7 +114,7 @@ impl Ranges {
     }
 }
 
-/// The start value that a description declares, or the type's zero.
+/// The start value that a description declares, or else zero, false or the empty text.
 #[must_use]
 pub fn start_value(variable: &Variable) -> Value {
     match &variable.kind {

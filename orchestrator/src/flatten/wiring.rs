@@ -1,8 +1,8 @@
-//! Who feeds whom: a scenario flattened to indices, sorted once, before the first step.
+//! Which value goes where: a scenario flattened to indices, sorted once, before the first step.
 //!
 //! Instances that step and deliver together form a group. Inputs and outputs of all instances lie in one array for each
-//! base type, ordered by group, instance and variable, so that a group's values are one range and an instance's values
-//! one call. Next on the walk: `step_loop.rs`.
+//! base type, ordered by group, instance and variable, so that a group's values are one range and one call per type sets
+//! or reads an instance's values. Next on the walk: `step_loop.rs`.
 
 mod events;
 mod feed;
@@ -33,45 +33,45 @@ pub struct Wiring {
     pub stop_tick: u64,
     /// The instances in the script's order.
     pub ports: Vec<InstancePorts>,
-    /// What messages call the instances and their Real outputs.
+    /// The names of the instances and their Real outputs in messages.
     pub names: Vec<Names>,
     /// Instances that step and deliver together, by wave.
     pub groups: Vec<Group>,
     /// The waves of a tick.
     pub waves: Vec<Wave>,
-    /// What `->` brings, for each group, from what is visible.
+    /// For each group, what its `->` connections bring, computed from the visible outputs.
     pub delayed: Vec<Feed>,
-    /// What `=>` brings, for each group, from the latest results.
+    /// For each group, what its `=>` connections bring, computed from the latest results.
     pub direct: Vec<Feed>,
-    /// What `set` can override, for each group.
+    /// For each group, the inputs that a `set` can override.
     pub overrides: Vec<Vec<Override>>,
-    /// Openings and closings of windows by tick.
+    /// The opening and closing of windows, ordered by tick.
     pub changes: Vec<Change>,
-    /// How initialization carries values.
+    /// The calls of initialization, in their order.
     pub initialization: Vec<InitialCall>,
     /// The conditions of `rises`.
     pub rises: Vec<Program>,
-    /// What a row is made of.
+    /// Where the values of a row come from.
     pub row: RowLayout,
     /// The inputs before the first step: presets and declared start values.
     pub inputs: Values,
-    /// Outputs that nobody has read yet.
+    /// The outputs before the first read: zero, false or empty.
     pub outputs: Values,
-    places: SlotTable,
+    table: SlotTable,
 }
 
-/// Groups that step beside each other.
+/// Groups that step in parallel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Wave {
     /// The groups.
     pub groups: Range<usize>,
-    /// Whether a `=>` or a `set` ever brings anything to one of them.
+    /// Whether a `=>` or a `set` ever drives an input of one of them.
     pub is_fed: bool,
-    /// Whether a `=>` ever reads one of them in the tick of the order.
+    /// Whether a `=>` ever reads an output of one of them in the tick in which its step is ordered.
     pub is_read: bool,
 }
 
-/// What messages call an instance.
+/// The names of an instance and its outputs in messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Names {
     /// Its name in the script.
@@ -80,7 +80,7 @@ pub struct Names {
     pub reals: Vec<String>,
 }
 
-/// One turn of initialization.
+/// One call of initialization.
 #[derive(Debug)]
 pub enum InitialCall {
     /// Computes these inputs of one instance and sets them.
@@ -89,10 +89,10 @@ pub enum InitialCall {
         worker: usize,
         /// The instance.
         instance: usize,
-        /// What brings them.
+        /// The connections that drive them.
         feed: Feed,
         /// The inputs.
-        picks: Vec<VariableSlot>,
+        slots: Vec<VariableSlot>,
     },
     /// Reads these variables of one instance.
     Get {
@@ -101,32 +101,32 @@ pub enum InitialCall {
         /// The instance.
         instance: usize,
         /// The variables.
-        picks: Vec<VariableSlot>,
+        slots: Vec<VariableSlot>,
     },
 }
 
 impl Wiring {
-    /// Flattens a scenario. `descriptions` and `worker_of` tell for each instance its unit's description and the index
-    /// of the worker that holds it.
+    /// Flattens a scenario. For each instance, `descriptions` holds its unit's description and `worker_of` the index of
+    /// the worker that holds it.
     #[must_use]
     pub fn new(scenario: &Scenario, descriptions: &[&ModelDescription], worker_of: &[usize]) -> Self {
         let (mut groups, waves) = groups::form(scenario, worker_of);
-        let mut places = SlotTable::assign(scenario, descriptions, &mut groups);
-        let mut inputs = places.inputs();
-        for (port, slot) in places.input_slots() {
+        let mut table = SlotTable::assign(scenario, descriptions, &mut groups);
+        let mut inputs = table.inputs();
+        for (port, slot) in table.input_slots() {
             let variable = &descriptions[port.instance].variables[port.variable];
             let presets = &scenario.instances[port.instance].presets;
             let preset = presets.iter().rev().find(|preset| preset.variable == port.variable);
             inputs.store(slot, preset.map_or(&start_value(variable), |preset| &preset.value));
         }
         let [delayed, direct]: [Vec<Feed>; 2] = [false, true].map(|direct| {
-            let mut arrows = vec![Vec::new(); groups.len()];
-            for arrow in scenario.connections.iter().filter(|arrow| arrow.direct == direct) {
-                arrows[places.group_of(arrow.target.instance)].push(arrow);
+            let mut by_group = vec![Vec::new(); groups.len()];
+            for connection in scenario.connections.iter().filter(|connection| connection.direct == direct) {
+                by_group[table.group_of(connection.target.instance)].push(connection);
             }
-            arrows.iter().map(|arrows| Feed::new(arrows, &places)).collect()
+            by_group.iter().map(|connections| Feed::new(connections, &table)).collect()
         });
-        let (overrides, changes) = events::plan(scenario, &groups, &places, &inputs);
+        let (overrides, changes) = events::plan(scenario, &groups, &table, &inputs);
         let wave = |range: Range<usize>| Wave {
             is_fed: range.clone().any(|group| !direct[group].is_empty() || !overrides[group].is_empty()),
             is_read: groups[range.clone()].iter().any(|group| !group.read_every.is_empty()),
@@ -134,16 +134,16 @@ impl Wiring {
         };
         let waves = waves.into_iter().map(wave).collect();
         let initialization =
-            scenario.initialization.iter().map(|step| turn(step, scenario, &places, worker_of)).collect();
-        let ports = places.take_members();
+            scenario.initialization.iter().map(|step| initial_call(step, scenario, &table, worker_of)).collect();
+        let ports = table.take_ports();
         let rises = scenario.conditions.iter();
         let rises =
-            rises.map(|condition| Program::compile_condition(&condition.is, &mut |port| places.read(port))).collect();
+            rises.map(|condition| Program::compile_condition(&condition.is, &mut |port| table.read(port))).collect();
         Self {
             step_ns: scenario.step_ns,
             stop_tick: scenario.stop_tick,
-            row: RowLayout::new(&scenario.columns, &places),
-            outputs: places.outputs(),
+            row: RowLayout::new(&scenario.columns, &table),
+            outputs: table.outputs(),
             names: names(scenario, descriptions, &ports),
             ports,
             groups,
@@ -155,7 +155,7 @@ impl Wiring {
             initialization,
             rises,
             inputs,
-            places,
+            table,
         }
     }
 
@@ -165,33 +165,34 @@ impl Wiring {
         seconds(tick, self.step_ns)
     }
 
-    /// Where the value of a readable port stands among the outputs.
+    /// The slot of a readable port among the outputs.
     #[must_use]
     pub fn place(&self, port: Port) -> Slot {
-        self.places.read(port)
+        self.table.read(port)
     }
 }
 
-fn turn(step: &InitialStep, scenario: &Scenario, places: &SlotTable, worker_of: &[usize]) -> InitialCall {
+fn initial_call(step: &InitialStep, scenario: &Scenario, table: &SlotTable, worker_of: &[usize]) -> InitialCall {
     match step {
         InitialStep::Set { instance, connections } => {
             let connections: Vec<_> = connections.iter().map(|&index| &scenario.connections[index]).collect();
-            let picks = connections.iter().map(|arrow| places.pick_input(arrow.target)).collect();
-            let feed = Feed::new(&connections, places);
-            InitialCall::Set { worker: worker_of[*instance], instance: *instance, feed, picks }
+            let slots = connections.iter().map(|connection| table.input_slot(connection.target)).collect();
+            let feed = Feed::new(&connections, table);
+            InitialCall::Set { worker: worker_of[*instance], instance: *instance, feed, slots }
         }
         InitialStep::Get { instance, variables } => {
             let port = |&variable| Port { instance: *instance, variable };
-            let picks = variables.iter().map(|variable| places.pick_output(port(variable))).collect();
-            InitialCall::Get { worker: worker_of[*instance], instance: *instance, picks }
+            let slots = variables.iter().map(|variable| table.output_slot(port(variable))).collect();
+            InitialCall::Get { worker: worker_of[*instance], instance: *instance, slots }
         }
     }
 }
 
 fn names(scenario: &Scenario, descriptions: &[&ModelDescription], ports: &[InstancePorts]) -> Vec<Names> {
-    let of = |((instance, description), ports): ((&dsl::scenario::Instance, &&ModelDescription), &InstancePorts)| {
-        let name = |&variable: &usize| description.variables[variable].name.clone();
-        Names { instance: instance.name.clone(), reals: ports.outputs.reals.variables.iter().map(name).collect() }
-    };
-    scenario.instances.iter().zip(descriptions).zip(ports).map(of).collect()
+    let names_of =
+        |((instance, description), ports): ((&dsl::scenario::Instance, &&ModelDescription), &InstancePorts)| {
+            let name = |&variable: &usize| description.variables[variable].name.clone();
+            Names { instance: instance.name.clone(), reals: ports.outputs.reals.variables.iter().map(name).collect() }
+        };
+    scenario.instances.iter().zip(descriptions).zip(ports).map(names_of).collect()
 }

@@ -1,4 +1,4 @@
-//! The stepping process: takes its spec from standard input, flies it, and tells its parent by the board.
+//! The stepping process: reads its specification from standard input, runs it, and reports to its parent on the board.
 //!
 //! Standard input stays open as long as the parent lives; when it closes, so does this process.
 
@@ -9,13 +9,13 @@ use std::io::{self, Read};
 use std::sync::Arc;
 use unit::board::Board;
 
-/// A spec larger than this is none; checkpoints of many units may be large.
+/// A longer specification is invalid; checkpoints of many units may be large.
 const LONGEST_PLAN: u64 = 1 << 36;
 
-/// Flies the spec that stands on standard input. What comes of it stands on the board, also where the run breaks.
+/// Runs the specification on standard input. The result is on the board, even if the run breaks.
 ///
 /// # Errors
-/// There is no spec, or the board that it names cannot be opened: then there is nobody to tell.
+/// There is no specification, or the board that it names cannot be opened, so that nothing can be reported there.
 pub fn run() -> io::Result<()> {
     let spec = read_plan(&mut io::stdin().lock())?;
     let board = Arc::new(Board::open(&spec.board)?);

@@ -1,7 +1,7 @@
-//! Looks after a run: starts whatever steps it, carries what that tells to files and people, and says how it ended.
+//! Supervises a run: starts the process or thread that steps it, writes and prints what it reports, returns how it ended.
 //!
-//! Whatever a unit does to the stepping process, the rows up to there and the call in which it happened are here. Where
-//! each instance has a process of its own the loop runs in a thread of this one, and all else is the same.
+//! Whatever a unit does to the stepping process, this process has the rows up to then and the call in progress. Where each
+//! instance has a process of its own, the loop runs in a thread of this one, and all else is the same.
 
 mod live_observer;
 mod log_order;
@@ -43,7 +43,7 @@ const IDLE: Duration = Duration::from_millis(5);
 const BUSY: Duration = Duration::from_millis(1);
 /// Recorded rows reach the disk at least this often.
 const SAVE_EVERY: Duration = Duration::from_millis(500);
-/// How long a stepping process may take to go after it said that it is done.
+/// How long a stepping process may take to exit after it reported the end of the run.
 const EXIT_DEADLINE: Duration = Duration::from_secs(2);
 
 fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError {
@@ -51,7 +51,7 @@ fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError 
 }
 
 /// Runs a spec to its end. Rows and calls go to the recorder, whose files are whole when this returns; rows also to the
-/// live_observer, which is not told that the run is over.
+/// live observer, whose `end` is left to the caller.
 ///
 /// # Errors
 /// If what steps cannot be started or the trace not be written; no process of the run is left then either.
@@ -74,7 +74,11 @@ pub fn supervise<W: Write>(
             }
             let process =
                 SteppingProcess::start(&request.program, spec).map_err(start_error("start the stepping process"))?;
-            look_after(Box::new(process), signals, Supervision::new(request, &board, recorder, live_observer, console))
+            supervise_loop(
+                Box::new(process),
+                signals,
+                Supervision::new(request, &board, recorder, live_observer, console),
+            )
         }
         Placement::Isolated(start_workers) => {
             let board = Board::private(&layout).map_err(start_error("make the board of the run"))?;
@@ -83,18 +87,18 @@ pub fn supervise<W: Write>(
                 live_observer.begin(&board);
             }
             let loop_here = start_workers(request, &board).map_err(start_error("start the workers"))?;
-            look_after(loop_here, signals, Supervision::new(request, &board, recorder, live_observer, console))
+            supervise_loop(loop_here, signals, Supervision::new(request, &board, recorder, live_observer, console))
         }
     }
 }
 
-fn look_after<W: Write>(
+fn supervise_loop<W: Write>(
     mut stepping: Box<dyn Stepping>,
     mut signals: Signals,
     mut run: Supervision<'_, W>,
 ) -> Result<RunEnd, SuperviseError> {
     loop {
-        // PendingOrder before the rings are emptied: what was said before it ended is in them.
+        // Asked before the rings are emptied, so that they contain all that was sent before it ended.
         let over = stepping.ended().map_err(start_error("look after what steps the run"))?;
         let began = Instant::now();
         let drained = run.drain();
@@ -106,11 +110,11 @@ fn look_after<W: Write>(
             run.interrupt(&mut *stepping);
         }
         run.watch(&mut *stepping);
-        run.tell_progress();
+        run.report_progress();
         if !busy {
             thread::sleep(IDLE);
         } else if began.elapsed() < BUSY {
-            // Otherwise more has come meanwhile, and the stepping process may be waiting for room.
+            // Otherwise more has arrived meanwhile, and the stepping process may be waiting for space in the rings.
             thread::sleep(BUSY);
         }
     }
@@ -159,7 +163,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             began: now,
             polled: now,
             log_order: LogOrder::default(),
-            // Where each instance has a process of its own, whoever awaits its answer has a watch.
+            // Where each instance has a process of its own, the coordinator limits the time of its replies.
             calls: request.step_timeout.filter(|_| matches!(request.placement, Placement::Together)).map(Watchdog::new),
             exit_deadline: Watchdog::new(EXIT_DEADLINE),
             last_row: None,
@@ -171,7 +175,7 @@ impl<'a, W: Write> Supervision<'a, W> {
 
     /// Takes everything out of the rings; says whether there was something.
     fn drain(&mut self) -> Result<bool, TraceError> {
-        // PendingOrder before the rings are emptied: all that counts before this tick was said before it was reached.
+        // Read before the rings are emptied: all messages that count before this tick were sent before it was reached.
         let reached = self.board.tick();
         let (recorder, live_observer, last_row) = (&mut self.recorder, &mut self.live_observer, &mut self.last_row);
         let mut refused = None;
@@ -189,15 +193,15 @@ impl<'a, W: Write> Supervision<'a, W> {
         let busy = rows + messages.len() > 0;
         for message in messages {
             match message {
-                Ok(message) => refused = refused.or(self.hear(message).err()),
+                Ok(message) => refused = refused.or(self.receive(message).err()),
                 Err(error) => self.console.say(&format!("warning: a message of a unit could not be read: {error}")),
             }
         }
-        for said in self.log_order.before(reached) {
-            self.console.say(&post_mortem::log_line(&said, &self.spec.scenario));
+        for message in self.log_order.before(reached) {
+            self.console.say(&post_mortem::log_line(&message, &self.spec.scenario));
         }
         if self.log_order.are_many() {
-            self.tell_all_words();
+            self.print_all_messages();
         }
         if refused.is_none() && self.saved.elapsed() >= SAVE_EVERY {
             self.saved = Instant::now();
@@ -206,13 +210,13 @@ impl<'a, W: Write> Supervision<'a, W> {
         refused.map_or(Ok(busy), Err)
     }
 
-    fn hear(&mut self, message: Message) -> Result<(), TraceError> {
+    fn receive(&mut self, message: Message) -> Result<(), TraceError> {
         match message {
-            Message::Log(said) => self.log_order.hear(said),
-            Message::Saved(tick) => return self.keep(tick),
+            Message::Log(log) => self.log_order.add(log),
+            Message::Saved(tick) => return self.store(tick),
             Message::Calls(piece) => return self.recorder.add_call(piece.instance, &piece.bytes),
             Message::Finished(finish) => self.finish = Some(finish),
-            // What breaks when the user ends everything is no news.
+            // A failure after the user killed the run is a consequence of that.
             Message::Broken(_) if self.interrupts > 1 => {}
             Message::Broken(failure) => self.failure = Some(failure),
         }
@@ -220,7 +224,7 @@ impl<'a, W: Write> Supervision<'a, W> {
     }
 
     /// Writes the checkpoints of a tick.
-    fn keep(&mut self, tick: u64) -> Result<(), TraceError> {
+    fn store(&mut self, tick: u64) -> Result<(), TraceError> {
         let Some(save) = self.spec.saves.iter().find(|save| save.tick == tick) else { return Ok(()) };
         let checkpoint = fs::read(&save.file).map_err(TraceError::io("read", &save.file))?;
         for file in self.saving.files_at(tick) {
@@ -238,8 +242,8 @@ impl<'a, W: Write> Supervision<'a, W> {
         SuperviseError::unwritten(self.failure.take(), error)
     }
 
-    /// Tells which checkpoints the run did not come to.
-    fn tell_unsaved(&mut self, last_tick: u64) {
+    /// Prints which checkpoints were not written.
+    fn report_unsaved(&mut self, last_tick: u64) {
         let time = |tick| shortest_decimal(seconds(tick, self.spec.scenario.step_ns));
         for (tick, file) in self.saving.files.iter().filter(|(tick, _)| !self.kept.contains(tick)) {
             let ended = if self.failure.is_some() { "broke" } else { "ended" };
@@ -252,9 +256,9 @@ impl<'a, W: Write> Supervision<'a, W> {
         }
     }
 
-    fn tell_all_words(&mut self) {
-        for said in self.log_order.all() {
-            self.console.say(&post_mortem::log_line(&said, &self.spec.scenario));
+    fn print_all_messages(&mut self) {
+        for message in self.log_order.all() {
+            self.console.say(&post_mortem::log_line(&message, &self.spec.scenario));
         }
     }
 
@@ -269,7 +273,7 @@ impl<'a, W: Write> Supervision<'a, W> {
         }
     }
 
-    /// Ends a process that has been in one call for too long, or that does not go after its last word.
+    /// Kills a process that has been in one call for too long, or that does not exit after it reported the end.
     fn watch(&mut self, stepping: &mut dyn Stepping) {
         let since = self.polled.elapsed();
         self.polled = Instant::now();
@@ -288,7 +292,7 @@ impl<'a, W: Write> Supervision<'a, W> {
         }
     }
 
-    fn tell_progress(&mut self) {
+    fn report_progress(&mut self) {
         let scenario = &self.spec.scenario;
         let (tick, board, wall_s) = (self.board.tick(), self.board, self.began.elapsed().as_secs_f64());
         let part = tick as f64 / scenario.stop_tick.max(1) as f64;
@@ -304,7 +308,7 @@ impl<'a, W: Write> Supervision<'a, W> {
 
     /// What stepped is gone and the rings are empty; `refused` is why their last rows could not be written.
     fn conclude(mut self, cause: Cause, refused: Option<TraceError>) -> Result<RunEnd, SuperviseError> {
-        self.tell_all_words();
+        self.print_all_messages();
         self.console.clear();
         let killed_by_user = self.interrupts > 1;
         if self.finish.is_none() && self.failure.is_none() && !killed_by_user {
@@ -320,7 +324,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             (None, Some(last_row)) => last_row,
             (None, None) => self.board.tick(),
         };
-        self.tell_unsaved(last_tick);
+        self.report_unsaved(last_tick);
         Ok(RunEnd {
             last_tick,
             interrupted: ended_by_loop.unwrap_or(self.interrupts > 0),

@@ -1,6 +1,6 @@
-//! Whether something stays the same for too long, in time that the one who looks lived through.
+//! Detects what stays the same for too long, measured in time during which the observing process itself ran.
 //!
-//! Whoever was suspended or starved counts little of the gap: what it looks at may have stood still with it.
+//! Of a gap in which the observing process was suspended only little counts: the observed one may have been suspended too.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ pub struct Watchdog<T> {
 }
 
 impl<T: PartialEq> Watchdog<T> {
-    /// Bites at this limit.
+    /// Expires at this limit.
     #[must_use]
     pub fn new(limit: Duration) -> Self {
         Self { limit, still: Duration::ZERO, call: None }
@@ -47,36 +47,36 @@ mod tests {
 
     const LOOK: Duration = Duration::from_millis(50);
 
-    fn looks_until_it_bites(
-        dog: &mut Watchdog<u64>,
+    fn looks_until_it_expires(
+        watchdog: &mut Watchdog<u64>,
         since: Duration,
         call: impl Fn(usize) -> Option<u64>,
     ) -> Option<usize> {
-        (0..1000).find(|&look| dog.expired(since, call(look)))
+        (0..1000).find(|&look| watchdog.expired(since, call(look)))
     }
 
     #[test]
     fn a_call_that_stays_the_same_for_the_limit_is_too_long() {
-        let mut dog = Watchdog::new(Duration::from_secs(1));
-        assert_eq!(looks_until_it_bites(&mut dog, LOOK, |_| Some(7)), Some(20));
+        let mut watchdog = Watchdog::new(Duration::from_secs(1));
+        assert_eq!(looks_until_it_expires(&mut watchdog, LOOK, |_| Some(7)), Some(20));
     }
 
     #[test]
     fn a_new_call_starts_the_count_again() {
-        let mut dog = Watchdog::new(Duration::from_secs(1));
-        assert_eq!(looks_until_it_bites(&mut dog, LOOK, |look| Some(look as u64 / 19)), None);
+        let mut watchdog = Watchdog::new(Duration::from_secs(1));
+        assert_eq!(looks_until_it_expires(&mut watchdog, LOOK, |look| Some(look as u64 / 19)), None);
     }
 
     #[test]
-    fn time_between_calls_is_nobodys_fault() {
-        let mut dog = Watchdog::new(Duration::from_secs(1));
-        assert_eq!(looks_until_it_bites(&mut dog, LOOK, |_| None), None);
+    fn time_between_calls_does_not_count() {
+        let mut watchdog = Watchdog::new(Duration::from_secs(1));
+        assert_eq!(looks_until_it_expires(&mut watchdog, LOOK, |_| None), None);
     }
 
     #[test]
     fn an_hour_of_suspension_counts_as_one_look() {
-        let mut dog = Watchdog::new(Duration::from_secs(1));
-        assert!(!dog.expired(LOOK, Some(7)) && !dog.expired(Duration::from_secs(3600), Some(7)));
-        assert_eq!(looks_until_it_bites(&mut dog, LOOK, |_| Some(7)), Some(17));
+        let mut watchdog = Watchdog::new(Duration::from_secs(1));
+        assert!(!watchdog.expired(LOOK, Some(7)) && !watchdog.expired(Duration::from_secs(3600), Some(7)));
+        assert_eq!(looks_until_it_expires(&mut watchdog, LOOK, |_| Some(7)), Some(17));
     }
 }

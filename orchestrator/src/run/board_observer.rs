@@ -1,4 +1,4 @@
-//! The loop's observer in a run: the board.
+//! The observer of the step loop that writes to the board.
 
 use super::pace::Pace;
 use crate::run::message::{Message, MessageSink};
@@ -8,7 +8,7 @@ use results::verdict::Standing;
 use std::sync::Arc;
 use unit::board::{Board, ClaimNote};
 
-/// Tells the board.
+/// Writes rows, claims and checkpoints of a run.
 pub struct BoardObserver<'a> {
     board: &'a Board,
     pace: Option<Pace>,
@@ -16,7 +16,7 @@ pub struct BoardObserver<'a> {
 }
 
 impl<'a> BoardObserver<'a> {
-    /// Tells this board, no faster than this pace, and keeps the run where that is spec.
+    /// Writes to this board, waits for the pace if there is one, and saves the run at the ticks of `saves`.
     pub fn new(board: &'a Board, pace: Option<Pace>, saves: &'a [SaveSpec]) -> Self {
         Self { board, pace, saves }
     }
@@ -62,11 +62,11 @@ impl Observer for BoardObserver<'_> {
     }
 }
 
-/// Where messages of this process go: onto the board.
+/// The sink that puts messages of this process on the board.
 #[must_use]
 pub fn sink(board: &Arc<Board>) -> MessageSink {
     let board = Arc::clone(board);
-    Arc::new(move |told| message(&board, &told))
+    Arc::new(move |sent| message(&board, &sent))
 }
 
 /// Puts a message on the board.

@@ -1,4 +1,4 @@
-//! Brings units on board: libraries are loaded, instances made, their values set, initialization begun.
+//! Instantiates units: loads libraries, makes instances, sets their values and begins initialization.
 
 use crate::run::message::{CallPiece, Message, MessageSink};
 use crate::run::run_spec::UnitSpec;
@@ -13,7 +13,7 @@ use unit::failure::{Cause, Doing, Failure};
 use unit::instance::{Instance, Setting};
 use unit::library::Library;
 
-/// Who is to come on board.
+/// An instance that is to be made.
 #[derive(Clone, Copy, Debug)]
 pub struct NewInstance<'a> {
     /// The index in the scenario.
@@ -24,11 +24,11 @@ pub struct NewInstance<'a> {
     pub unit: usize,
     /// What is set before initialization.
     pub presets: &'a [Preset],
-    /// Whether its calls are told.
+    /// Whether its calls are logged.
     pub log_calls: bool,
 }
 
-/// Where to board, and who hears of it.
+/// What making instances needs besides the instances.
 pub struct Instantiator<'a> {
     /// The units.
     pub units: &'a [UnitSpec],
@@ -38,16 +38,16 @@ pub struct Instantiator<'a> {
     pub note: Note,
     /// The communication step in nanoseconds.
     pub step_ns: u64,
-    /// Where words and calls of units go.
+    /// Receives log messages and logged calls of units.
     pub sink: MessageSink,
 }
 
 impl Instantiator<'_> {
-    /// Brings instances so far that initialization can begin, in their order. Whoever is made when one fails stays
-    /// there, so that the caller can tell the failure before a unit is freed.
+    /// Makes instances, in their order, up to the point where initialization can begin. If one fails, those before it stay
+    /// in `made`, so that the caller can report the failure before a unit is freed, which may crash.
     ///
     /// # Errors
-    /// The first instance that could not be brought so far.
+    /// The first instance that could not be made.
     pub fn make<'p>(
         &self,
         instances: impl IntoIterator<Item = NewInstance<'p>>,
@@ -62,7 +62,7 @@ impl Instantiator<'_> {
             };
             libraries[unit] = Some(Arc::clone(&library));
             let sink = Arc::clone(&self.sink);
-            let sink = Arc::new(move |said| sink(Message::Log(said)));
+            let sink = Arc::new(move |message| sink(Message::Log(message)));
             let calls = log_calls.then(|| self.call_log(index));
             let setting = Setting { name, index, note: self.note.clone(), sink, logging_on: log_calls, calls };
             let instance = Instance::instantiate(&library, setting)?;
@@ -75,15 +75,15 @@ impl Instantiator<'_> {
         Ok(())
     }
 
-    /// Tells the calls of an instance in pieces that a board takes.
+    /// Sends the logged calls of an instance in pieces that fit into the ring of a board.
     fn call_log(&self, instance: usize) -> CallLog {
         let sink = Arc::clone(&self.sink);
-        let tell = move |text: &str| {
+        let send = move |text: &str| {
             for bytes in text.as_bytes().chunks(LONGEST_PIECE) {
                 sink(Message::Calls(CallPiece { instance, bytes: bytes.to_vec() }));
             }
         };
-        CallLog { sink: Arc::new(tell), step_ns: self.step_ns }
+        CallLog { sink: Arc::new(send), step_ns: self.step_ns }
     }
 
     fn load(&self, unit: &UnitSpec, name: &str, index: usize) -> Result<Arc<Library>, Failure> {
@@ -114,7 +114,7 @@ impl Instantiator<'_> {
 /// Begins initialization of all instances, in their order.
 ///
 /// # Errors
-/// The first that refused.
+/// The first instance that refused.
 pub fn enter_initialization(made: &mut [Instantiated], note: &Note) -> Result<(), Failure> {
     made.iter_mut().try_for_each(|made| made.instance.enter_initialization_mode(&note.at(0, 0.0)))
 }

@@ -1,5 +1,6 @@
-//! What a run tells besides rows and claims, as records of a board's message ring: a stepping process its parent, a loop
-//! the thread that looks after it, a worker its coordinator.
+//! The messages that a run sends through the message ring of a board, besides rows and claims.
+//!
+//! A stepping process sends them to its parent, a loop to the thread that supervises it, a worker to its coordinator.
 
 use dsl::scenario::Scenario;
 use serde::{Deserialize, Serialize};
@@ -12,13 +13,13 @@ use unit::logger::LogMessage;
 pub enum Message {
     /// A unit's own log message, printf arguments already in place.
     Log(LogMessage),
-    /// The run as it was after the row of this tick lies where the spec says.
+    /// The checkpoint after the row of this tick is in the file that the specification names.
     Saved(u64),
-    /// What the log of an instance's calls goes on with.
+    /// The next piece of the log of an instance's calls.
     Calls(CallPiece),
     /// The run ended by itself; nothing follows.
     Finished(Finish),
-    /// The run broke; nothing follows but words and calls of units that are freed.
+    /// The run broke; only log messages and calls of units that are freed follow.
     Broken(Failure),
 }
 
@@ -48,7 +49,7 @@ pub struct Finish {
 pub enum Reason {
     /// The stop time was reached.
     StopTime,
-    /// This instance said that it is done (Discard with Terminated).
+    /// This instance terminated (`fmi2Discard` with `fmi2Terminated`).
     Terminated(usize),
     /// `--fail-fast` and this claim was lost.
     ClaimLost(usize),

@@ -29,11 +29,11 @@ pub struct RunSpec {
     pub fail_fast: bool,
     /// Write the trace; not with `--record none`.
     pub record: bool,
-    /// Somebody may watch: rows are handed over even if nothing of them is written.
+    /// The run may be watched: the loop hands rows over even if they are not written.
     pub live: bool,
     /// Simulated seconds for each second of the wall clock (`--pace`); `None` for as fast as it goes.
     pub pace: Option<f64>,
-    /// When the run is to be kept as it is, each time once.
+    /// When the run is to be saved; each tick occurs once.
     pub saves: Vec<SaveSpec>,
     /// Where the run continues; `None` for the start.
     pub from: Option<Checkpoint>,
@@ -60,7 +60,7 @@ impl RunSpec {
 pub struct SaveSpec {
     /// After the row of this tick.
     pub tick: u64,
-    /// The private file that takes it on its way to the parent.
+    /// The private file through which it is passed to the parent.
     #[serde(with = "path_bytes")]
     pub file: PathBuf,
 }
@@ -79,7 +79,7 @@ pub struct UnitSpec {
     pub sha256: String,
 }
 
-/// Paths as the bytes that they are: not every path is UTF-8.
+/// Serializes paths as bytes: not every path is UTF-8.
 pub(crate) mod path_bytes {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
     use std::ffi::OsString;
@@ -96,7 +96,7 @@ pub(crate) mod path_bytes {
 }
 
 #[test]
-fn a_path_that_is_no_utf_8_comes_through() {
+fn a_path_that_is_not_utf_8_is_preserved() {
     use std::os::unix::ffi::OsStrExt;
     let folder = PathBuf::from(std::ffi::OsStr::from_bytes(b"/tmp/caf\xe9"));
     let (name, description, sha256) = ("a".to_owned(), ModelDescription::default(), String::new());

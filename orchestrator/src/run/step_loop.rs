@@ -23,7 +23,7 @@ use gather::UnderWay;
 use std::ops::Range;
 use unit::failure::Failure;
 
-/// What a run may be told besides its scenario.
+/// The options of a run besides its scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LoopOptions {
     /// End as soon as a claim is lost.
@@ -37,36 +37,36 @@ pub struct StepLoop<'a, W> {
     wiring: Wiring,
     workers: Vec<Box<dyn Worker + 'a>>,
     claims: Claims,
-    wishes: LoopOptions,
+    options: LoopOptions,
     observer: W,
-    /// What `->`, claims and rows see: outputs of steps that ended by now.
+    /// The outputs that `->`, claims and rows read: those of steps that have ended by this tick.
     visible: Values,
-    /// What `=>` sees: outputs of all steps that were awaited.
+    /// The outputs that `=>` reads: those of all steps that were awaited.
     latest: Values,
-    /// Inputs as they last acted.
+    /// The inputs that were last passed to a step.
     inputs: Values,
-    /// SuperviseRequest whose replies nobody asked for yet, by group.
+    /// By group, the order whose result is not yet due, if any.
     under_way: Vec<Option<UnderWay>>,
     /// Results that a checkpoint awaited before they are due.
     early: Values,
-    /// Units that are done for good, with the tick at which that counts.
+    /// Instances that have terminated, with the tick at which their step ends.
     terminated: Vec<(u64, Terminated)>,
     /// Whether each condition of `rises` held at the last sample, and whether it rises now.
     held: Vec<bool>,
     rises: Vec<bool>,
     next_change: usize,
     row: Vec<u64>,
-    /// How many samples the claims took.
+    /// The number of samples that the claims took.
     samples: u64,
 }
 
 impl<'a, W: Observer> StepLoop<'a, W> {
-    /// A run that stands before initialization.
+    /// A run before initialization.
     pub fn new(
         wiring: Wiring,
         claims: Claims,
         workers: Vec<Box<dyn Worker + 'a>>,
-        wishes: LoopOptions,
+        options: LoopOptions,
         observer: W,
     ) -> Self {
         Self {
@@ -84,13 +84,13 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             wiring,
             workers,
             claims,
-            wishes,
+            options,
             observer,
         }
     }
 
-    /// Runs to the end, whatever end that is, and tells the observer how the claims stand then. With a checkpoint it begins
-    /// behind the checkpoint's row.
+    /// Runs to the end, whatever ends it, and reports the final standing of each claim to the observer. With a checkpoint
+    /// it begins after the row of the checkpoint.
     ///
     /// # Errors
     /// The run broke.
@@ -155,7 +155,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
         if let Some(first) = due.map(|(_, unit)| unit.instance).min() {
             return Some(Reason::Terminated(first));
         }
-        let lost = self.claims.lost().filter(|_| self.wishes.fail_fast).map(Reason::ClaimLost);
+        let lost = self.claims.lost().filter(|_| self.options.fail_fast).map(Reason::ClaimLost);
         lost.or_else(|| self.observer.stop_requested().then_some(Reason::Interrupted))
     }
 
@@ -168,7 +168,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
         }
     }
 
-    /// `->` brings what is visible to whoever steps now.
+    /// `->` brings the visible outputs to the groups that step now.
     fn drive(&mut self, tick: u64, time_s: f64) {
         let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
         for (group, feed) in self.wiring.groups.iter().zip(&mut self.wiring.delayed) {
@@ -195,7 +195,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
         if is_read { self.await_direct(groups, tick) } else { Ok(None) }
     }
 
-    /// `=>` brings the latest results to whoever steps in this wave, and `set` what it sets.
+    /// `=>` and `set` drive the inputs of the groups that step in this wave.
     fn feed(&mut self, groups: Range<usize>, tick: u64, time_s: f64) {
         let latest = Moment { outputs: &self.latest, time_s, rises: &self.rises };
         let visible = Moment { outputs: &self.visible, time_s, rises: &self.rises };
@@ -209,7 +209,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
 
     /// Hands over the row of this tick.
     fn record(&mut self, tick: u64) {
-        if self.wishes.record {
+        if self.options.record {
             self.wiring.row.fill(&self.visible, &self.inputs, &mut self.row);
             self.observer.row(tick, &self.row);
         }

@@ -1,6 +1,6 @@
-//! A spec ran: units brought on board, the step loop run, all of it told to a board.
+//! Runs a specification: instantiates its units, runs the step loop and reports everything to a board.
 //!
-//! The stepping process flies with all instances in itself; a coordinator flies with workers in other processes.
+//! The stepping process holds all instances itself; a coordinator uses workers in other processes.
 
 #[cfg(test)]
 pub(crate) mod tests;
@@ -18,7 +18,7 @@ use std::sync::Arc;
 use unit::board::Board;
 use unit::failure::Failure;
 
-/// Flies a spec with all instances in this process, see [`step_run_with`].
+/// Runs a specification with all instances in this process, see [`step_run_with`].
 pub fn step_run(spec: &RunSpec, board: &Arc<Board>) {
     let mut made = Vec::new();
     step_run_with(spec, board, &vec![0; spec.scenario.instances.len()], |wiring| {
@@ -28,25 +28,24 @@ pub fn step_run(spec: &RunSpec, board: &Arc<Board>) {
     });
 }
 
-/// Flies a spec with workers that `crew` makes, `worker_of` telling for each instance which of them holds it, and tells
-/// the board everything but that it is over. What broke is told before any unit is freed: it counts, whatever happens to
-/// the units afterwards.
+/// Runs a specification with the workers that `make_workers` returns; `worker_of` gives for each instance the worker that
+/// holds it. A failure is reported on the board before any unit is freed, so that a crash in the freeing cannot hide it.
 pub fn step_run_with<'a>(
     spec: &'a RunSpec,
     board: &'a Board,
     worker_of: &[usize],
-    crew: impl FnOnce(&Wiring) -> Result<Vec<Box<dyn Worker + 'a>>, Failure>,
+    make_workers: impl FnOnce(&Wiring) -> Result<Vec<Box<dyn Worker + 'a>>, Failure>,
 ) {
     let wiring = wire(spec, worker_of);
-    let workers = match crew(&wiring) {
+    let workers = match make_workers(&wiring) {
         Ok(workers) => workers,
-        Err(failure) => return tell_end(board, Err(failure)),
+        Err(failure) => return report_end(board, Err(failure)),
     };
     let mut run = step_loop(spec, board, wiring, workers);
     match run.run(spec.from.as_ref()) {
-        Ok(finish) => tell_end(board, run.close(Shutdown::Orderly).map(|()| finish)),
+        Ok(finish) => report_end(board, run.close(Shutdown::Orderly).map(|()| finish)),
         Err(failure) => {
-            tell_end(board, Err(failure));
+            report_end(board, Err(failure));
             run.close(Shutdown::Immediate).ok();
         }
     }
@@ -85,11 +84,11 @@ fn step_loop<'a>(
     let scenario = &spec.scenario;
     let claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
     let pace = spec.pace.map(|pace| Pace::new(pace, scenario.step_ns));
-    let told = BoardObserver::new(board, pace, &spec.saves);
-    let wishes = LoopOptions { fail_fast: spec.fail_fast, record: spec.hands_over_rows() };
-    StepLoop::new(wiring, claims, workers, wishes, told)
+    let observer = BoardObserver::new(board, pace, &spec.saves);
+    let options = LoopOptions { fail_fast: spec.fail_fast, record: spec.hands_over_rows() };
+    StepLoop::new(wiring, claims, workers, options, observer)
 }
 
-fn tell_end(board: &Board, end: Result<Finish, Failure>) {
+fn report_end(board: &Board, end: Result<Finish, Failure>) {
     board_observer::message(board, &end.map_or_else(Message::Broken, Message::Finished));
 }

@@ -1,8 +1,8 @@
-//! SuperviseRequest in, replies out: the trait that every placement of instances implements.
+//! The trait of workers, which take orders and return replies wherever their instances are.
 //!
-//! A worker knows instances and blocks of values, nothing of what the script says. An order hands over the inputs of a
-//! group and lets it step; the reply, asked for when it is due, brings the group's outputs. Between the two a worker may
-//! compute beside others. Blocks are complete: an order carries every input of its group, a reply every output.
+//! A worker knows instances and arrays of values, but not the script. An order passes the inputs of a group and starts its
+//! step; the reply, awaited when it is due, returns the group's outputs. Between the two, workers may compute in parallel.
+//! An order always carries every input of its group, a reply every output.
 
 mod in_process;
 
@@ -13,28 +13,28 @@ use crate::flatten::wiring::VariableSlot;
 use serde::{Deserialize, Serialize};
 use unit::failure::Failure;
 
-/// Inputs for one group, and the word to step from `tick` on for the group's period.
+/// The order that one group step from `tick` on for its period, with its inputs.
 #[derive(Clone, Copy, Debug)]
 pub struct Order<'a> {
-    /// The group, as the worker was told of it when it was opened.
+    /// The index of the group, as given to the worker when it was made.
     pub group: usize,
     /// The tick at which the step begins.
     pub tick: u64,
-    /// All inputs; the group's lie where its ports say.
+    /// All inputs; the ports of the group's instances say which of them are theirs.
     pub inputs: &'a Values,
 }
 
-/// What a reply is asked for by. A group has at most one order under way, so its index says it all.
+/// Identifies an order whose reply is awaited. A group has at most one order under way, so its index suffices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ticket {
     /// The group.
     pub group: usize,
 }
 
-/// What a reply says besides its values.
+/// What a reply contains besides values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reply {
-    /// The instances that are done for good.
+    /// The instances that have terminated.
     pub terminated: Vec<Terminated>,
 }
 
@@ -43,57 +43,57 @@ pub struct Reply {
 pub struct Terminated {
     /// The instance.
     pub instance: usize,
-    /// How far it came.
+    /// The simulated time that it reached.
     pub last_successful_time_s: f64,
 }
 
-/// A step that brought nothing: the run breaks, when the result would have been due.
+/// A step without a result: the run breaks at the tick at which the result would have been due.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Lost {
-    /// The instance: where several are lost at once, the first in the script is told.
+    /// The instance: where several fail at once, the first in the script is reported.
     pub instance: usize,
     /// Instance, call, time and cause.
     pub failure: Failure,
 }
 
-/// How a run takes leave of its workers.
+/// How a run shuts its workers down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shutdown {
-    /// It came to its end: whatever goes wrong now counts.
+    /// The run ended by itself: a failure of the shutdown still breaks it.
     Orderly,
-    /// It broke: nobody is waited for.
+    /// The run broke: no worker is waited for.
     Immediate,
 }
 
-/// Holds instances for a run. Made with its instances set up and in initialization mode; the time that a reply may take
-/// is its own affair.
+/// Holds instances for a run. It is made with its instances in initialization mode, and limits the time of its replies
+/// itself.
 pub trait Worker {
     /// During initialization: sets inputs of one instance.
     ///
     /// # Errors
     /// The unit refuses, or the worker is gone.
-    fn set_initial(&mut self, instance: usize, picks: &[VariableSlot], inputs: &Values) -> Result<(), Lost>;
+    fn set_initial(&mut self, instance: usize, slots: &[VariableSlot], inputs: &Values) -> Result<(), Lost>;
 
     /// During initialization: reads variables of one instance.
     ///
     /// # Errors
     /// The unit refuses, or the worker is gone.
-    fn get_initial(&mut self, instance: usize, picks: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost>;
+    fn get_initial(&mut self, instance: usize, slots: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost>;
 
-    /// Ends initialization and brings the outputs of all its instances at tick 0.
+    /// Ends initialization and returns the outputs of all its instances at tick 0.
     ///
     /// # Errors
     /// A unit refuses, or the worker is gone.
     fn start(&mut self, outputs: &mut Values) -> Result<(), Lost>;
 
-    /// Lets a group step. The worker may do it at once or begin it; what goes wrong in a step is told by its reply.
+    /// Orders a group to step. The worker may complete the step or only begin it; its reply reports a failed step.
     ///
     /// # Errors
     /// The worker is gone.
     fn order(&mut self, order: &Order<'_>) -> Result<Ticket, Lost>;
 
-    /// Awaits the end of an order and brings the group's outputs, all of them also beside an instance that is done for
-    /// good. `due_tick` is when the result counts.
+    /// Awaits the end of an order and returns all outputs of the group, even if one of its instances has terminated.
+    /// `due_tick` is the tick at which the result becomes visible.
     ///
     /// # Errors
     /// The first instance in the script's order whose step failed, or the worker is gone.
@@ -105,14 +105,14 @@ pub trait Worker {
     /// The first instance in the script's order that refuses, or the worker is gone.
     fn save(&mut self, tick: u64) -> Result<Vec<(usize, Vec<u8>)>, Lost>;
 
-    /// After initialization: takes each of its instances to a state that [`Worker::save`] brought at this tick, maybe of
-    /// another worker.
+    /// After initialization: restores each of its instances from a state that [`Worker::save`], possibly of another
+    /// worker, returned at this tick.
     ///
     /// # Errors
     /// The first instance in the script's order that refuses, or the worker is gone.
     fn restore(&mut self, tick: u64, states: &[(usize, &[u8])]) -> Result<(), Lost>;
 
-    /// Terminates and frees all instances that still allow it; nothing can be asked afterwards.
+    /// Terminates and frees all instances that still allow it; the worker must not be used afterwards.
     ///
     /// # Errors
     /// The first that refused, after all others were freed.

@@ -1,7 +1,7 @@
-//! Formulas with a word that reaches to the end of the run inside another word: judged when the run has ended.
+//! Formulas in which a temporal operator that reaches to the end of the run is nested in another: judged when it has ended.
 //!
-//! Such a word has one value for each tick, and all of them change with the last sample. So the values of its bounded
-//! parts are kept, in memory that is there from the start, and joined afterwards in one pass for each word.
+//! Such an operator has one value for each tick, and the last sample can change all of them. So the values of its bounded
+//! parts are stored, in memory allocated before the first sample, and joined afterwards in one pass for each operator.
 
 use super::judged::{Decision, Join, Joined};
 use super::memory::{Piece, Visit};
@@ -10,8 +10,9 @@ use super::window::Window;
 use crate::flatten::expression::{Moment, SlotOf};
 use dsl::scenario::{Formula, TickWindow};
 
-/// A run of more ticks makes room for their values as it comes to them; few such runs are meant to come to their end.
-const ROOM_FROM_THE_START: usize = 10_000_000;
+/// The most values that memory is allocated for in advance. A longer run grows its memory during the run: few runs with
+/// such a stop time are meant to reach it.
+const MAX_INITIAL_CAPACITY: usize = 10_000_000;
 
 /// A formula with the values of its bounded parts so far.
 #[derive(Debug)]
@@ -21,16 +22,16 @@ pub enum History {
     /// `and`, `or`
     Junction(Join, Vec<History>),
     /// `always`, `eventually`, with the body's horizon.
-    Word(Join, TickWindow, u64, Box<History>),
+    Temporal(Join, TickWindow, u64, Box<History>),
 }
 
 impl History {
-    /// Prepares for samples of ticks 0 to `stop_tick`.
+    /// Compiles the formula and allocates memory for the samples of ticks 0 to `stop_tick`.
     pub fn new(formula: &Formula, stop_tick: u64, slot_of: &mut SlotOf<'_>) -> Self {
         if is_bounded(formula) {
             let ticks = usize::try_from(stop_tick.saturating_add(1)).unwrap_or(usize::MAX);
-            let room = Vec::with_capacity(ticks.min(ROOM_FROM_THE_START));
-            return Self::Bounded(Stream::new(formula, slot_of), room);
+            let values = Vec::with_capacity(ticks.min(MAX_INITIAL_CAPACITY));
+            return Self::Bounded(Stream::new(formula, slot_of), values);
         }
         match formula {
             Formula::And(parts) | Formula::Or(parts) => {
@@ -39,7 +40,7 @@ impl History {
             }
             Formula::Always(window, body) | Formula::Eventually(window, body) => {
                 let join = if matches!(formula, Formula::Always(..)) { Join::All } else { Join::Any };
-                Self::Word(join, *window, horizon(body), Box::new(Self::new(body, stop_tick, slot_of)))
+                Self::Temporal(join, *window, horizon(body), Box::new(Self::new(body, stop_tick, slot_of)))
             }
             Formula::Margin(_) | Formula::Condition(_) => unreachable!("an atom is bounded"),
         }
@@ -55,11 +56,11 @@ impl History {
                 }
             }
             Self::Junction(_, parts) => parts.iter_mut().for_each(|part| part.take(tick, sample)),
-            Self::Word(_, _, _, body) => body.take(tick, sample),
+            Self::Temporal(_, _, _, body) => body.take(tick, sample),
         }
     }
 
-    /// Shows what it remembers; after so many samples.
+    /// Visits its memory after so many samples.
     pub(super) fn visit(&mut self, samples: u64, each: &mut Visit<'_>) {
         match self {
             Self::Bounded(stream, values) => {
@@ -67,7 +68,7 @@ impl History {
                 each(Piece::Grown(values, samples.saturating_sub(stream.horizon)));
             }
             Self::Junction(_, parts) => parts.iter_mut().for_each(|part| part.visit(samples, each)),
-            Self::Word(_, _, _, body) => body.visit(samples, each),
+            Self::Temporal(_, _, _, body) => body.visit(samples, each),
         }
     }
 
@@ -94,7 +95,7 @@ impl History {
                 };
                 (0..parts[0].len()).map(at).collect()
             }
-            Self::Word(join, window, horizon, body) => {
+            Self::Temporal(join, window, horizon, body) => {
                 let body = body.values(last, complete);
                 match window.to {
                     Some(to) => bounded(*join, window.from, to, &body),
@@ -105,7 +106,7 @@ impl History {
     }
 }
 
-/// The values of a bounded word, where ticks after the last are open.
+/// The values of a bounded operator; the values of its body after the last tick are not decided.
 fn bounded(join: Join, from: u64, to: u64, body: &[Decision]) -> Vec<Decision> {
     let mut window = Window::new(join, (to + 1).saturating_sub(from));
     let open = std::iter::repeat_n(&None, usize::try_from(to).unwrap_or(usize::MAX));
@@ -113,7 +114,7 @@ fn bounded(join: Join, from: u64, to: u64, body: &[Decision]) -> Vec<Decision> {
     ends.skip(usize::try_from(to).unwrap_or(usize::MAX)).collect()
 }
 
-/// The values of an unbounded word: from each tick the rest of the run, short of the body's horizon.
+/// The values of an unbounded operator: each ranges over the rest of the run, as far as the body could be judged.
 fn unbounded(join: Join, from: u64, horizon: u64, body: &[Decision], complete: bool) -> Vec<Decision> {
     let [from, horizon] = [from, horizon].map(|ticks| usize::try_from(ticks).unwrap_or(usize::MAX));
     let judgeable = body.len().saturating_sub(horizon);

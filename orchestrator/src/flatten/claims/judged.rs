@@ -1,4 +1,4 @@
-//! A judged value, and how values join under `and`, `or` and the temporal words.
+//! A judged value, and how values are joined by `and`, `or` and the temporal operators.
 
 use super::memory::{Piece, Visit};
 use serde::{Deserialize, Serialize};
@@ -6,8 +6,8 @@ use std::cmp::Ordering;
 
 /// A margin with its verdict and the tick of the sample that it comes from.
 ///
-/// The verdict is the margin's sign; at zero, where strictness decides, a failing value is −0. So one total order of
-/// numbers orders margins and verdicts at once.
+/// The verdict is the sign of the margin; at zero, where strictness decides, a failing value is −0. So the total order of
+/// floating-point numbers orders margins and verdicts at once.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Judged {
     signed: f64,
@@ -15,7 +15,7 @@ pub struct Judged {
     pub tick: u64,
 }
 
-/// What is known of a value: `None` where the samples do not decide it.
+/// A value, or `None` where the samples so far do not determine it.
 pub type Decision = Option<Judged>;
 
 impl Judged {
@@ -43,9 +43,9 @@ impl Judged {
         self.signed.is_sign_positive()
     }
 
-    /// The margin as people read it.
+    /// The margin for reports, where −0 is 0.
     #[must_use]
-    pub fn told(self) -> f64 {
+    pub fn reported_margin(self) -> f64 {
         self.signed + 0.0
     }
 }
@@ -60,14 +60,14 @@ pub enum Join {
 }
 
 impl Join {
-    /// Whether the first value counts rather than the second.
+    /// Whether `a` takes precedence over `b` as the joined value.
     #[must_use]
     pub fn prefers(self, a: Judged, b: Judged) -> bool {
         let wanted = if self == Self::All { Ordering::Less } else { Ordering::Greater };
         a.signed.total_cmp(&b.signed) == wanted
     }
 
-    /// Whether this value alone decides the whole.
+    /// Whether this value alone decides the joined value.
     #[must_use]
     pub fn is_decided_by(self, value: Judged) -> bool {
         value.holds() == (self == Self::Any)
@@ -79,17 +79,18 @@ impl Join {
 pub struct Joined {
     join: Join,
     counts: Decision,
+    /// Whether one of the values is not decided.
     open: bool,
 }
 
 impl Joined {
-    /// Nothing joined yet.
+    /// No value joined yet.
     #[must_use]
     pub fn new(join: Join) -> Self {
         Self { join, counts: None, open: false }
     }
 
-    /// Joins one more; among equals the first counts. Returns whether anything changed.
+    /// Joins one more value; among equal values the first is taken. Returns whether anything changed.
     pub fn take(&mut self, decision: Decision) -> bool {
         let Some(value) = decision else { return !std::mem::replace(&mut self.open, true) };
         let counts = self.counts.is_none_or(|counts| self.join.prefers(value, counts));
@@ -99,7 +100,7 @@ impl Joined {
         counts
     }
 
-    /// Joins one that stands before all others: among equals it counts.
+    /// Joins a value of an earlier tick than all others: among equal values it is taken.
     pub fn take_earlier(&mut self, decision: Decision) {
         let Some(value) = decision else { return self.open = true };
         if self.counts.is_none_or(|counts| !self.join.prefers(counts, value)) {
@@ -107,19 +108,19 @@ impl Joined {
         }
     }
 
-    /// Shows what it remembers.
+    /// Visits its memory.
     pub(super) fn visit(&mut self, each: &mut Visit<'_>) {
         each(Piece::Decisions(std::slice::from_mut(&mut self.counts)));
         each(Piece::Flag(&mut self.open));
     }
 
-    /// The value that counts among those that are decided.
+    /// The joined value of those that are decided.
     #[must_use]
     pub fn counting(&self) -> Decision {
         self.counts
     }
 
-    /// The value of all; `complete` tells that no more will come.
+    /// The joined value, if it is decided; `complete` means that no more values will come.
     #[must_use]
     pub fn decision(&self, complete: bool) -> Decision {
         self.counts.filter(|&value| complete && !self.open || self.join.is_decided_by(value))
@@ -127,10 +128,10 @@ impl Joined {
 }
 
 #[test]
-fn at_zero_a_failing_margin_counts_before_a_holding_one() {
+fn at_zero_a_failing_margin_is_smaller_than_a_holding_one() {
     let [strict, lax] = [Judged::margin(0.0, true, 1), Judged::margin(-0.0, false, 2)];
     assert!(!strict.holds() && lax.holds());
-    assert_eq!((strict.told().to_bits(), lax.told().to_bits()), (0, 0));
+    assert_eq!((strict.reported_margin().to_bits(), lax.reported_margin().to_bits()), (0, 0));
     assert!(Join::All.prefers(strict, lax) && Join::Any.prefers(lax, strict));
 }
 
@@ -138,5 +139,5 @@ fn at_zero_a_failing_margin_counts_before_a_holding_one() {
 fn not_a_number_fails() {
     let nan = Judged::margin(f64::NAN, false, 0);
     assert!(!nan.holds());
-    assert_eq!(nan.told(), f64::NEG_INFINITY);
+    assert_eq!(nan.reported_margin(), f64::NEG_INFINITY);
 }

@@ -1,47 +1,47 @@
-//! What claims remember between two samples: taken out for a checkpoint, put back when a run continues.
+//! The memory of claims between two samples: copied out for a checkpoint, put back when a run continues.
 //!
-//! One walk over the formulas serves both ways, so that what is kept and what is put back cannot differ. What is kept is a
-//! flat list, however deep the formulas: a checkpoint's bytes decide no depth of recursion.
+//! One traversal of the formulas serves both directions, so that the two cannot disagree. The memory is a flat list,
+//! however deep the formulas are, so that the bytes of a damaged checkpoint cannot cause deep recursion.
 
 use super::Claims;
 use super::judged::{Decision, Judged};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
-/// One thing that a claim remembers, where it stands.
+/// One piece of a claim's memory, in place.
 pub(super) enum Piece<'a> {
-    /// Something that is so or not.
+    /// A flag.
     Flag(&'a mut bool),
-    /// Values whose number stays the same.
+    /// A fixed number of values.
     Decisions(&'a mut [Decision]),
-    /// Values whose number has grown to this.
+    /// A growing list of values, and the length that it must have now.
     Grown(&'a mut Vec<Decision>, u64),
-    /// The values of a window that can still count, this many at most.
+    /// The values of a window that can still become its result, and their largest possible number.
     Candidates(&'a mut VecDeque<(u64, Judged)>, u64),
     /// A tick.
     Tick(&'a mut Option<u64>),
 }
 
-/// Sees each piece, in the order of the formulas.
+/// Called for each piece, in the order of the formulas.
 pub(super) type Visit<'a> = dyn FnMut(Piece<'_>) + 'a;
 
-/// A piece by itself.
+/// A copy of a piece.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-enum Kept {
+enum Saved {
     Flag(bool),
     Decisions(Vec<Decision>),
     Candidates(Vec<(u64, Judged)>),
     Tick(Option<u64>),
 }
 
-/// All that the claims of a script remember after a sample.
+/// The memory of all claims of a script after a sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Memory {
-    pieces: Vec<Kept>,
+    pieces: Vec<Saved>,
     lost: Option<usize>,
 }
 
-impl Kept {
+impl Saved {
     fn of(piece: Piece<'_>) -> Self {
         match piece {
             Piece::Flag(flag) => Self::Flag(*flag),
@@ -52,26 +52,31 @@ impl Kept {
         }
     }
 
-    /// Puts it back, within the memory that is there; false if it is none of this slot_of after so many samples.
+    /// Copies it back into a piece without allocating; false if it cannot be the state of this piece after so many
+    /// samples.
     fn put_back(&self, piece: Piece<'_>, samples: u64) -> bool {
         let in_time = |decisions: &[Decision]| decisions.iter().flatten().all(|value| value.tick < samples);
         match (self, piece) {
-            (Self::Flag(kept), Piece::Flag(flag)) => *flag = *kept,
-            (Self::Decisions(kept), Piece::Decisions(decisions)) if kept.len() == decisions.len() && in_time(kept) => {
-                decisions.copy_from_slice(kept);
+            (Self::Flag(saved), Piece::Flag(flag)) => *flag = *saved,
+            (Self::Decisions(saved), Piece::Decisions(decisions))
+                if saved.len() == decisions.len() && in_time(saved) =>
+            {
+                decisions.copy_from_slice(saved);
             }
-            (Self::Decisions(kept), Piece::Grown(decisions, count)) if kept.len() as u64 == count && in_time(kept) => {
+            (Self::Decisions(saved), Piece::Grown(decisions, count))
+                if saved.len() as u64 == count && in_time(saved) =>
+            {
                 decisions.clear();
-                decisions.extend_from_slice(kept);
+                decisions.extend_from_slice(saved);
             }
-            (Self::Candidates(kept), Piece::Candidates(candidates, most))
-                if kept.len() as u64 <= most
-                    && kept.iter().all(|(at, value)| *at < samples && value.tick < samples) =>
+            (Self::Candidates(saved), Piece::Candidates(candidates, most))
+                if saved.len() as u64 <= most
+                    && saved.iter().all(|(at, value)| *at < samples && value.tick < samples) =>
             {
                 candidates.clear();
-                candidates.extend(kept);
+                candidates.extend(saved);
             }
-            (Self::Tick(kept), Piece::Tick(tick)) if kept.is_none_or(|kept| kept < samples) => *tick = *kept,
+            (Self::Tick(saved), Piece::Tick(tick)) if saved.is_none_or(|saved| saved < samples) => *tick = *saved,
             _ => return false,
         }
         true
@@ -79,19 +84,21 @@ impl Kept {
 }
 
 impl Claims {
-    /// What the claims remember. It is not changed: the walk is that of [`Claims::remember`].
+    /// Copies the memory of the claims. It changes nothing; `&mut` is due to the traversal shared with
+    /// [`Claims::remember`].
     pub fn memory(&mut self) -> Memory {
         let mut pieces = Vec::new();
-        self.visit(0, &mut |piece| pieces.push(Kept::of(piece)));
+        self.visit(0, &mut |piece| pieces.push(Saved::of(piece)));
         Memory { pieces, lost: self.lost }
     }
 
-    /// Goes on from what these claims remembered after so many samples; false, and of no more use, if they did not.
+    /// Restores the memory that these claims had after so many samples; returns false if it cannot be theirs, after which
+    /// the claims must not be used.
     pub fn remember(&mut self, memory: &Memory, samples: u64) -> bool {
         let mut pieces = memory.pieces.iter();
         let mut fits = memory.lost.is_none_or(|claim| claim < self.monitors.len());
         self.visit(samples, &mut |piece| {
-            fits = pieces.next().is_some_and(|kept| kept.put_back(piece, samples)) && fits;
+            fits = pieces.next().is_some_and(|saved| saved.put_back(piece, samples)) && fits;
         });
         self.lost = memory.lost;
         for monitor in &mut self.monitors {

@@ -1,7 +1,7 @@
-//! Claims judged online: each takes one sample a tick and always knows how it stands.
+//! Claims judged online: each takes one sample at every tick and has a standing at any time.
 //!
-//! A claim is a `claim::AtStart` over `stream::Stream`s. All memory is there before the first sample, so that
-//! taking one allocates nothing. Next on the walk: `trace/` and `report/`.
+//! A claim is a `claim::AtStart` over `stream::Stream`s. All memory is allocated before the first sample, so that taking
+//! one allocates nothing. Next on the walk: `recorder.rs` and `report/` of the crate `results`.
 
 mod claim;
 mod history;
@@ -19,16 +19,16 @@ use claim::AtStart;
 use dsl::scenario::Claim;
 use results::verdict::{ClaimInfo, Limit, MarginUnit, Standing, Verdict};
 
-/// How the samples of a run came to an end.
+/// Whether a run came to its own end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Completeness {
-    /// The run is complete, at its stop time or where a unit ended it: unbounded words range up to here.
+    /// The run is complete, at its stop time or because a unit ended it: unbounded operators range up to its last sample.
     Complete,
-    /// The run was cut off: what is not decided stays open.
+    /// The run was cut off: an unbounded operator that its samples do not decide stays open.
     CutOff,
 }
 
-/// What reports say of a claim besides how it stands.
+/// What reports say about a claim besides its standing.
 #[must_use]
 pub fn info(claim: &Claim) -> ClaimInfo {
     let unit = claim.unit.as_ref().map(|unit| MarginUnit { name: unit.name.clone(), factor: unit.factor });
@@ -50,7 +50,7 @@ struct Monitor {
 }
 
 impl Claims {
-    /// Prepares for samples of ticks 0 to `stop_tick`.
+    /// Compiles the claims and allocates memory for the samples of ticks 0 to `stop_tick`.
     pub fn new(claims: &[Claim], stop_tick: u64, slot_of: &mut SlotOf<'_>) -> Self {
         let monitor = |claim: &Claim| {
             let formula = AtStart::new(&claim.formula, stop_tick, slot_of);
@@ -60,7 +60,7 @@ impl Claims {
         Self { monitors: claims.iter().map(monitor).collect(), lost: None }
     }
 
-    /// Takes the sample of a tick; ticks come without gaps from 0. Tells each claim whose standing changed.
+    /// Takes the sample of a tick; ticks come without gaps from 0. Calls `changed` for each claim whose standing changed.
     pub fn take(&mut self, tick: u64, moment: &Moment<'_>, mut changed: impl FnMut(usize, Standing)) {
         for (index, monitor) in self.monitors.iter_mut().enumerate() {
             if monitor.formula.take(tick, moment) {
@@ -76,7 +76,7 @@ impl Claims {
         }
     }
 
-    /// How each claim stands.
+    /// The standing of each claim.
     pub fn standings(&self) -> impl Iterator<Item = (usize, Standing)> + '_ {
         self.monitors.iter().map(|monitor| monitor.standing).enumerate()
     }
@@ -87,14 +87,15 @@ impl Claims {
         self.lost
     }
 
-    /// Decides what the samples up to `last_tick` decide, or up to none; nothing of it is undecided afterwards.
-    pub fn end(&mut self, last_tick: Option<u64>, completeness: Completeness, mut told: impl FnMut(usize, Standing)) {
+    /// Judges all claims by the samples up to `last_tick`, or as unjudged without any sample, and calls `visit` for each;
+    /// no claim is undecided afterwards.
+    pub fn end(&mut self, last_tick: Option<u64>, completeness: Completeness, mut visit: impl FnMut(usize, Standing)) {
         for (index, monitor) in self.monitors.iter_mut().enumerate() {
             if let Some(last_tick) = last_tick {
                 monitor.formula.end(last_tick, completeness);
             }
             monitor.standing = monitor.formula.standing(true);
-            told(index, monitor.standing);
+            visit(index, monitor.standing);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The value of a bounded formula at each tick, as soon as the samples that it looks at are there.
+//! The value of a bounded formula at each tick, computed as soon as the samples that it depends on are available.
 
 use super::judged::{Decision, Join, Joined, Judged};
 use super::memory::{Piece, Visit};
@@ -6,7 +6,8 @@ use super::window::Window;
 use crate::flatten::expression::{Moment, Program, SlotOf};
 use dsl::scenario::Formula;
 
-/// How many ticks a formula looks ahead: 0 for a comparison; a bounded word adds its upper bound, an unbounded one nothing.
+/// How many ticks a formula looks ahead: 0 for a comparison; a bounded operator adds its upper bound, an unbounded one
+/// nothing.
 #[must_use]
 pub fn horizon(formula: &Formula) -> u64 {
     match formula {
@@ -16,7 +17,7 @@ pub fn horizon(formula: &Formula) -> u64 {
     }
 }
 
-/// Whether no word in it reaches to the end of the run.
+/// Whether no temporal operator in it reaches to the end of the run.
 #[must_use]
 pub fn is_bounded(formula: &Formula) -> bool {
     match formula {
@@ -26,10 +27,10 @@ pub fn is_bounded(formula: &Formula) -> bool {
     }
 }
 
-/// A bounded formula that turns samples into values, `horizon` ticks later.
+/// A bounded formula that converts samples to values, each `horizon` ticks late.
 #[derive(Debug)]
 pub struct Stream {
-    /// How many ticks a value comes after the tick that it belongs to.
+    /// The delay of a value after the tick that it belongs to, in ticks.
     pub horizon: u64,
     node: Node,
 }
@@ -38,11 +39,11 @@ pub struct Stream {
 enum Node {
     Atom(Atom),
     Junction { join: Join, parts: Vec<(Stream, Delay)> },
-    Word { body: Box<Stream>, window: Window },
+    Temporal { body: Box<Stream>, window: Window },
 }
 
 impl Stream {
-    /// Prepares for the first sample.
+    /// Compiles the formula and allocates its memory.
     pub fn new(formula: &Formula, slot_of: &mut SlotOf<'_>) -> Self {
         let horizon = horizon(formula);
         let node = match formula {
@@ -53,7 +54,7 @@ impl Stream {
                 let join = if matches!(formula, Formula::Always(..)) { Join::All } else { Join::Any };
                 let to = window.to.unwrap_or_else(|| unreachable!("an unbounded word in a bounded formula"));
                 let window = Window::new(join, (to + 1).saturating_sub(window.from));
-                Node::Word { body: Box::new(Self::new(body, slot_of)), window }
+                Node::Temporal { body: Box::new(Self::new(body, slot_of)), window }
             }
         };
         Self { horizon, node }
@@ -71,14 +72,14 @@ impl Stream {
                 }
                 joined.decision(true)
             }
-            Node::Word { body, window } => {
+            Node::Temporal { body, window } => {
                 let decision = body.take(tick, sample);
                 tick.checked_sub(body.horizon).and_then(|at| window.slide(at, decision))
             }
         }
     }
 
-    /// Shows what it remembers.
+    /// Visits its memory.
     pub(super) fn visit(&mut self, each: &mut Visit<'_>) {
         match &mut self.node {
             Node::Atom(_) => {}
@@ -88,7 +89,7 @@ impl Stream {
                     each(Piece::Decisions(&mut delay.0));
                 }
             }
-            Node::Word { body, window } => {
+            Node::Temporal { body, window } => {
                 body.visit(each);
                 window.visit(each);
             }
@@ -111,7 +112,7 @@ impl Node {
 #[derive(Debug)]
 pub struct Atom {
     program: Program,
-    /// Of a comparison: whether zero fails. `None` for a condition.
+    /// For a comparison, whether a margin of zero fails; `None` for a condition.
     strict: Option<bool>,
 }
 
@@ -138,7 +139,7 @@ impl Atom {
     }
 }
 
-/// Holds values back for some ticks.
+/// Delays values by some ticks, so that the parts of a junction with different horizons meet at the same tick.
 #[derive(Debug)]
 struct Delay(Vec<Decision>);
 
@@ -149,7 +150,7 @@ impl Delay {
 
     fn pass(&mut self, tick: u64, decision: Decision) -> Decision {
         let length = self.0.len() as u64;
-        match tick.checked_rem(length).and_then(|slot_of| self.0.get_mut(usize::try_from(slot_of).ok()?)) {
+        match tick.checked_rem(length).and_then(|slot| self.0.get_mut(usize::try_from(slot).ok()?)) {
             Some(held) => std::mem::replace(held, decision),
             None => decision,
         }

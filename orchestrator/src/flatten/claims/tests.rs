@@ -1,4 +1,4 @@
-//! Claims judged online against the definition of their words, evaluated from the whole trace.
+//! Claims judged online, compared with the definition of their operators evaluated on the whole trace.
 
 use super::judged::{Decision, Join, Joined, Judged};
 use super::{Claims, Completeness};
@@ -9,7 +9,7 @@ use fmi2::description::BaseType;
 use proptest::prelude::*;
 use results::verdict::{Standing, Verdict};
 
-/// The value of a formula at a tick of a trace that ends with its last sample, word by word as the language defines it.
+/// The value of a formula at a tick, evaluated recursively on a whole trace as the language defines it.
 fn defined(formula: &Formula, at: u64, trace: &[[f64; 2]], completeness: Completeness) -> Decision {
     let last = trace.len() as u64 - 1;
     let sample = |variable: usize| trace.get(usize::try_from(at).unwrap()).map(|sample| sample[variable]);
@@ -40,7 +40,7 @@ fn defined(formula: &Formula, at: u64, trace: &[[f64; 2]], completeness: Complet
     }
 }
 
-/// How many ticks ahead of its own a formula needs samples.
+/// How many ticks ahead of its own tick a formula needs samples.
 fn horizon(formula: &Formula) -> u64 {
     match formula {
         Formula::And(parts) | Formula::Or(parts) => parts.iter().fold(0, |most, part| most.max(horizon(part))),
@@ -95,7 +95,7 @@ fn any_atom() -> impl Strategy<Value = Formula> {
     ]
 }
 
-fn any_word(body: impl Strategy<Value = Formula>) -> impl Strategy<Value = Formula> {
+fn any_temporal(body: impl Strategy<Value = Formula>) -> impl Strategy<Value = Formula> {
     let to = prop::option::weighted(0.6, 0..4_u64);
     (any::<bool>(), 0..3_u64, to, body).prop_map(|(all, from, more, body)| {
         let to = more.map(|more| from + more);
@@ -108,12 +108,12 @@ fn any_junction(part: impl Strategy<Value = Formula>) -> impl Strategy<Value = F
     (any::<bool>(), parts).prop_map(|(all, parts)| if all { Formula::And(parts) } else { Formula::Or(parts) })
 }
 
-/// Formulas of any shape, and such as have words inside words for sure.
+/// Formulas of any shape, and formulas in which a temporal operator is nested in another for certain.
 fn any_formula() -> impl Strategy<Value = Formula> {
     let any_shape =
-        any_atom().prop_recursive(4, 12, 3, |inner| prop_oneof![any_junction(inner.clone()), any_word(inner)]);
-    let inner = any_junction(prop_oneof![any_atom(), any_word(prop_oneof![any_atom(), any_word(any_atom())])]);
-    prop_oneof![any_shape, any_word(any_word(inner))]
+        any_atom().prop_recursive(4, 12, 3, |inner| prop_oneof![any_junction(inner.clone()), any_temporal(inner)]);
+    let inner = any_junction(prop_oneof![any_atom(), any_temporal(prop_oneof![any_atom(), any_temporal(any_atom())])]);
+    prop_oneof![any_shape, any_temporal(any_temporal(inner))]
 }
 
 /// Small whole numbers, so that margins are often equal or zero.
@@ -135,7 +135,7 @@ proptest! {
         match defined(&formula, 0, &trace, completeness) {
             Some(value) => {
                 let verdict = if value.holds() { Verdict::Holds } else { Verdict::Fails };
-                prop_assert_eq!(standing, Standing { verdict, margin: value.told(), worst_tick: value.tick });
+                prop_assert_eq!(standing, Standing { verdict, margin: value.reported_margin(), worst_tick: value.tick });
             }
             None => prop_assert_eq!(standing.verdict, Verdict::Unjudged),
         }
@@ -146,13 +146,13 @@ proptest! {
     }
 
     #[test]
-    fn claims_go_on_from_what_they_remembered_as_if_they_had_never_stopped(
+    fn claims_that_continue_from_their_memory_are_judged_as_if_they_had_never_stopped(
         formula in any_formula(), trace in any_trace(), cut in 1..12_usize, complete: bool, more in 0..5_u64,
     ) {
         let completeness = if complete { Completeness::Complete } else { Completeness::CutOff };
         let stop_tick = trace.len() as u64 - 1 + more;
         let (whole, _) = judge(&formula, &trace, stop_tick, completeness);
-        let (before, behind) = trace.split_at(cut.min(trace.len()));
+        let (before, after) = trace.split_at(cut.min(trace.len()));
         let mut saved = claims_of(&formula, stop_tick);
         take(&mut saved, 0, before);
         let bytes = postcard::to_stdvec(&saved.memory()).unwrap();
@@ -161,14 +161,14 @@ proptest! {
         prop_assert!(continued.remember(&postcard::from_bytes(&bytes).unwrap(), samples));
         prop_assert_eq!(continued.monitors[0].standing, saved.monitors[0].standing);
         prop_assert_eq!(&postcard::to_stdvec(&continued.memory()).unwrap(), &bytes);
-        take(&mut continued, samples, behind);
+        take(&mut continued, samples, after);
         prop_assert_eq!(continued.lost(), whole.lost());
         continued.end(Some(trace.len() as u64 - 1), completeness, |_, _| {});
         prop_assert_eq!(continued.monitors[0].standing, whole.monitors[0].standing);
     }
 
     #[test]
-    fn what_other_claims_remembered_is_refused_or_survived(
+    fn the_memory_of_other_claims_is_refused_or_causes_no_panic(
         formula in any_formula(), other in any_formula(), trace in any_trace(), samples in 1..12_u64,
     ) {
         let mut saved = claims_of(&other, 40);
@@ -182,7 +182,7 @@ proptest! {
     }
 
     #[test]
-    fn what_was_decided_when_a_run_was_cut_off_holds_for_every_continuation(
+    fn a_verdict_of_a_run_that_was_cut_off_is_that_of_every_continuation(
         formula in any_formula(), trace in any_trace(), rest in any_trace(),
     ) {
         let cut = judge(&formula, &trace, 40, Completeness::CutOff).0.monitors[0].standing.verdict;
@@ -201,7 +201,7 @@ fn standing_of(formula: &Formula, values: &[f64], completeness: Completeness) ->
 }
 
 #[test]
-fn always_tells_its_smallest_margin_and_when() {
+fn always_reports_its_smallest_margin_and_its_tick() {
     let claim = always(0, None, above_zero(0, true));
     assert_eq!(standing_of(&claim, &[3.0, 1.0, 2.0, 1.0], Completeness::Complete), (Verdict::Holds, 1.0, 1));
     assert_eq!(standing_of(&claim, &[3.0, 0.0, 2.0], Completeness::Complete), (Verdict::Fails, 0.0, 1));
@@ -210,7 +210,7 @@ fn always_tells_its_smallest_margin_and_when() {
 }
 
 #[test]
-fn the_last_seconds_that_cannot_be_judged_are_not() {
+fn the_last_ticks_whose_window_is_incomplete_are_left_out() {
     let claim = always(0, None, eventually(0, Some(2), above_zero(0, true)));
     let recovers = [1.0, -1.0, -1.0, 1.0, -1.0, -1.0];
     assert_eq!(standing_of(&claim, &recovers, Completeness::Complete), (Verdict::Holds, 1.0, 0));
@@ -229,7 +229,7 @@ fn a_window_cut_short_is_judged_if_its_samples_decide_it() {
 }
 
 #[test]
-fn an_unbounded_word_whose_range_is_empty_is_unjudged() {
+fn an_unbounded_operator_whose_range_is_empty_is_unjudged() {
     let late = always(5, None, above_zero(0, true));
     assert_eq!(standing_of(&late, &[1.0; 5], Completeness::Complete).0, Verdict::Unjudged);
     assert_eq!(standing_of(&late, &[1.0; 6], Completeness::Complete), (Verdict::Holds, 1.0, 5));
@@ -244,9 +244,9 @@ fn not_a_number_fails_at_its_sample_only() {
 }
 
 #[test]
-fn a_run_too_long_for_memory_begins_all_the_same() {
-    let word_in_word = always(0, None, eventually(0, None, above_zero(0, true)));
-    let (claims, _) = judge(&word_in_word, &[[1.0, 0.0]], u64::MAX, Completeness::Complete);
+fn a_run_too_long_for_memory_can_begin() {
+    let nested = always(0, None, eventually(0, None, above_zero(0, true)));
+    let (claims, _) = judge(&nested, &[[1.0, 0.0]], u64::MAX, Completeness::Complete);
     assert_eq!(claims.monitors.len(), 1);
 }
 

@@ -1,11 +1,11 @@
-//! Compiles expressions to programs and lists the signals that they read.
+//! Compiles expressions to programs.
 
 use super::{Binary, Operation, Program, Text, Unary};
 use crate::flatten::values::Slot;
 use dsl::scenario::{BooleanExpression, Curve, Function, Margin, Operand, Port, RealExpression, Value};
 use fmi2::description::BaseType;
 
-/// Where the value of a port stands; asked for every signal of an expression.
+/// Returns the slot of a port; called for every signal of an expression.
 pub type SlotOf<'a> = dyn FnMut(Port) -> Slot + 'a;
 
 impl Program {
@@ -134,9 +134,9 @@ impl Compiler<'_, '_> {
         }
     }
 
-    fn join(&mut self, conditions: &[BooleanExpression], of_none: bool, join: Binary) {
+    fn join(&mut self, conditions: &[BooleanExpression], if_empty: bool, join: Binary) {
         if conditions.is_empty() {
-            self.push(Operation::Push(super::truth(of_none)));
+            self.push(Operation::Push(super::truth(if_empty)));
         }
         for (position, condition) in conditions.iter().enumerate() {
             self.condition(condition);

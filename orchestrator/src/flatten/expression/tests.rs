@@ -1,4 +1,4 @@
-//! Tests of computed values.
+//! Tests of compiled expressions.
 
 use super::{Moment, Program};
 use crate::flatten::values::{Slot, Values};
@@ -50,7 +50,7 @@ fn a_conversion_and_its_inverse_cancel() {
 }
 
 #[test]
-fn functions_of_many_arguments_go_from_left_to_right() {
+fn functions_of_many_arguments_evaluate_from_left_to_right() {
     let all = || vec![signal(0), signal(1), E::Time];
     assert_eq!(real(&E::Call(Function::Sum, all())), 0.5);
     assert_eq!(real(&E::Call(Function::Mean, all())), 0.5 / 3.0);
@@ -60,7 +60,7 @@ fn functions_of_many_arguments_go_from_left_to_right() {
 }
 
 #[test]
-fn the_smallest_of_a_nan_is_a_nan() {
+fn the_minimum_and_maximum_with_a_nan_are_a_nan() {
     for function in [Function::Min, Function::Max] {
         assert!(real(&E::Call(function, vec![signal(2), signal(0)])).is_nan());
         assert!(real(&E::Call(function, vec![signal(0), signal(2)])).is_nan());
@@ -89,7 +89,7 @@ fn discrete_values_compare_with_values_of_the_script() {
 }
 
 #[test]
-fn conditions_join_negate_and_rise() {
+fn conditions_are_joined_negated_and_rise() {
     let [yes, no] = [B::Signal(Port { instance: 2, variable: 0 }), B::Signal(Port { instance: 2, variable: 1 })];
     assert!(!holds(&B::And(vec![yes.clone(), no.clone(), yes.clone()])));
     assert!(holds(&B::Or(vec![no.clone(), no.clone(), yes.clone()])));
@@ -98,7 +98,7 @@ fn conditions_join_negate_and_rise() {
     assert!(holds(&B::And(vec![])) && !holds(&B::Or(vec![])) && holds(&B::Constant(true)));
 }
 
-/// Numbers that tell apart what is equal only almost: zeros of both signs, the not-a-numbers, the ends of the range.
+/// Includes the numbers at which implementations differ: zeros of both signs, NaN, infinities, the ends of the range.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         prop::sample::select(vec![0.0, -0.0, 1.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, 5e-324]),
@@ -111,7 +111,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 2_000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn what_is_computed_before_a_run_has_the_bits_that_the_run_computes(
+    fn a_constant_folded_before_a_run_has_the_bits_that_the_run_computes(
         many in prop::collection::vec(any_number(), 1..5), y in any_number(),
     ) {
         use Function::{Abs, Atan2, Cos, Exp, Floor, Log, Max, Mean, Min, Norm, Sin, Sqrt, Sum, Tan};
@@ -119,9 +119,9 @@ proptest! {
         let all = [Min, Max, Sum, Mean, Norm].map(|function| (function, many.clone()));
         for (function, arguments) in one.into_iter().chain(all).chain([(Atan2, vec![y, many[0]])]) {
             let folded = function.apply(&arguments);
-            let run = real(&E::Call(function, arguments.iter().map(|&argument| E::Constant(argument)).collect()));
-            let is_same = folded.to_bits() == run.to_bits() || folded.is_nan() && run.is_nan();
-            prop_assert!(is_same, "{function:?} of {arguments:?}: {folded} and {run}");
+            let computed = real(&E::Call(function, arguments.iter().map(|&argument| E::Constant(argument)).collect()));
+            let is_same = folded.to_bits() == computed.to_bits() || folded.is_nan() && computed.is_nan();
+            prop_assert!(is_same, "{function:?} of {arguments:?}: {folded} and {computed}");
         }
     }
 }

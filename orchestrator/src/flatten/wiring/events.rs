@@ -1,4 +1,4 @@
-//! What `at` does: which windows open and close when, and what a `set` overrides meanwhile.
+//! The events of a script: when their windows open and close, and which inputs a `set` overrides meanwhile.
 
 use super::feed::Computed;
 use super::groups::Group;
@@ -13,39 +13,41 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Debug)]
 pub struct Override {
     to: Slot,
-    /// What it returns to where no connection drives it.
+    /// The value that it returns to; `None` where a connection drives it.
     rest: Option<Value>,
     sets: Vec<Computed>,
+    /// The `set` without end that began last.
     lasting: Option<usize>,
+    /// The `set` whose window is open.
     window: Option<usize>,
 }
 
 /// A window opens or closes, or a `set` without end begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Change {
-    /// When.
+    /// The tick at which it happens.
     pub tick: u64,
     /// The group of the target.
     pub group: usize,
-    /// Which of the group's overrides.
+    /// The index of the target among the group's overrides.
     pub target: usize,
-    /// What happens.
+    /// What changes.
     pub effect: Effect,
 }
 
 /// What a change does, with the index of the `set` among those of its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Effect {
-    /// The window's value is undone.
+    /// The window's value no longer applies.
     Close(usize),
-    /// The window's value acts.
+    /// The window's value applies.
     Open(usize),
-    /// The value acts from now on, wherever no window is open; it replaces the one before.
+    /// The value applies from now on, except while a window is open; it replaces an earlier value of this kind.
     Stay(usize),
 }
 
 impl Override {
-    /// Takes a change.
+    /// Applies a change.
     pub fn take(&mut self, effect: Effect) {
         match effect {
             Effect::Close(set) if self.window == Some(set) => self.window = None,
@@ -55,7 +57,7 @@ impl Override {
         }
     }
 
-    /// Brings the value that acts at this moment, where it is not a connection's.
+    /// Stores the value that applies at this moment; leaves the input alone where a connection drives it.
     pub fn bring(&mut self, moment: &Moment<'_>, inputs: &mut Values) {
         match (self.window.or(self.lasting), &self.rest) {
             (Some(set), _) => self.sets[set].bring(moment, inputs),
@@ -65,11 +67,11 @@ impl Override {
     }
 }
 
-/// Lists the overrides of each group and what happens to them, ordered by tick, closings first.
+/// Lists the overrides of each group and their changes, ordered by tick; within a tick, windows close before others open.
 pub(super) fn plan(
     scenario: &Scenario,
     groups: &[Group],
-    places: &SlotTable,
+    table: &SlotTable,
     inputs: &Values,
 ) -> (Vec<Vec<Override>>, Vec<Change>) {
     let connected: BTreeSet<Port> = scenario.connections.iter().map(|connection| connection.target).collect();
@@ -79,8 +81,8 @@ pub(super) fn plan(
     for event in &scenario.events {
         let Trigger::At(from) = event.trigger else { unreachable!("the resolver refuses `when` and `while`") };
         for set in event.sets() {
-            let to = places.pick_input(set.target).slot;
-            let group = places.group_of(set.target.instance);
+            let to = table.input_slot(set.target).slot;
+            let group = table.group_of(set.target.instance);
             let of_group = &mut overrides[group];
             let target = *known.entry(set.target).or_insert_with(|| {
                 let rest = (!connected.contains(&set.target)).then(|| value_at(inputs, to));
@@ -89,7 +91,7 @@ pub(super) fn plan(
             });
             let sets = &mut of_group[target].sets;
             let index = sets.len();
-            sets.push(Computed::new(&set.value, to, places));
+            sets.push(Computed::new(&set.value, to, table));
             let change = |tick, effect| Change { tick, group, target, effect };
             match event.lasting {
                 Some(lasting) => {
@@ -100,7 +102,7 @@ pub(super) fn plan(
             }
         }
     }
-    // Stable: what happens at one tick keeps the order of the file.
+    // A stable sort: changes of one kind at one tick keep the order of the script.
     changes.sort_by_key(|change: &Change| (change.tick, !matches!(change.effect, Effect::Close(_))));
     (overrides, changes)
 }

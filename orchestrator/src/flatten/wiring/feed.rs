@@ -1,4 +1,4 @@
-//! What connections bring to the inputs of a group: plain copies as runs of neighbours, and computed values.
+//! What connections bring to the inputs of a group: plain copies, merged into contiguous ranges, and computed values.
 
 use super::slot_table::SlotTable;
 use crate::flatten::expression::{Moment, Program};
@@ -10,11 +10,11 @@ use fmi2::description::BaseType;
 #[derive(Debug, Default)]
 pub struct Feed {
     reals: Vec<CopyRange>,
-    /// Many groups are fed with Reals only.
+    /// `None` for the many groups that connections drive with copies of Reals only.
     others: Option<Box<Others>>,
 }
 
-/// What is no plain copy of Reals.
+/// Everything but plain copies of Reals.
 #[derive(Debug, Default)]
 struct Others {
     integers: Vec<CopyRange>,
@@ -23,18 +23,18 @@ struct Others {
     computed: Vec<Computed>,
 }
 
-/// Neighbours that are copied to neighbours.
+/// Adjacent values that are copied to adjacent slots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CopyRange {
-    /// The first source.
+    /// Index of the first source.
     pub from: usize,
-    /// The first target.
+    /// Index of the first target.
     pub to: usize,
-    /// How many.
+    /// The number of values.
     pub length: usize,
 }
 
-/// One value that is not a plain copy, or that has to wait for its window.
+/// One value that is not a plain copy, or that applies only while a window is open.
 #[derive(Debug)]
 pub struct Computed {
     to: usize,
@@ -52,14 +52,14 @@ enum ComputedValue {
 }
 
 impl Feed {
-    /// Compiles connections, which come in the order of their targets.
-    pub(super) fn new(connections: &[&Connection], places: &SlotTable) -> Self {
+    /// Compiles connections, which are given in the order of their targets, so that neighbouring copies can be merged.
+    pub(super) fn new(connections: &[&Connection], table: &SlotTable) -> Self {
         let mut feed = Self::default();
         for connection in connections {
-            let to = places.pick_input(connection.target).slot;
+            let to = table.input_slot(connection.target).slot;
             match &connection.source {
-                Drive::Copy(port) => feed.copy(places.read(*port), to),
-                drive => feed.others().computed.push(Computed::new(drive, to, places)),
+                Drive::Copy(port) => feed.copy(table.read(*port), to),
+                drive => feed.others().computed.push(Computed::new(drive, to, table)),
             }
         }
         feed
@@ -67,15 +67,18 @@ impl Feed {
 
     fn copy(&mut self, from: Slot, to: Slot) {
         assert_eq!(from.base, to.base, "a copy was resolved between different types");
-        let runs = match to.base {
+        let ranges = match to.base {
             BaseType::Real => &mut self.reals,
             BaseType::Integer => &mut self.others().integers,
             BaseType::Boolean => &mut self.others().booleans,
             BaseType::String => &mut self.others().texts,
         };
-        match runs.last_mut().filter(|run| (run.from + run.length, run.to + run.length) == (from.index, to.index)) {
-            Some(run) => run.length += 1,
-            None => runs.push(CopyRange { from: from.index, to: to.index, length: 1 }),
+        match ranges
+            .last_mut()
+            .filter(|range| (range.from + range.length, range.to + range.length) == (from.index, to.index))
+        {
+            Some(range) => range.length += 1,
+            None => ranges.push(CopyRange { from: from.index, to: to.index, length: 1 }),
         }
     }
 
@@ -83,13 +86,13 @@ impl Feed {
         self.others.get_or_insert_default()
     }
 
-    /// Whether it brings nothing.
+    /// Whether there is no connection.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.reals.is_empty() && self.others.is_none()
     }
 
-    /// Brings everything to the inputs.
+    /// Computes all values and stores them in the inputs.
     #[inline]
     pub fn bring(&mut self, moment: &Moment<'_>, inputs: &mut Values) {
         copy(&self.reals, &moment.outputs.reals, &mut inputs.reals);
@@ -104,8 +107,9 @@ impl Others {
         let outputs = moment.outputs;
         copy(&self.integers, &outputs.integers, &mut inputs.integers);
         copy(&self.booleans, &outputs.booleans, &mut inputs.booleans);
-        for run in &self.texts {
-            inputs.texts[run.to..run.to + run.length].clone_from_slice(&outputs.texts[run.from..run.from + run.length]);
+        for range in &self.texts {
+            inputs.texts[range.to..range.to + range.length]
+                .clone_from_slice(&outputs.texts[range.from..range.from + range.length]);
         }
         for computed in &mut self.computed {
             computed.bring(moment, inputs);
@@ -114,34 +118,34 @@ impl Others {
 }
 
 #[inline]
-fn copy<T: Copy>(runs: &[CopyRange], from: &[T], to: &mut [T]) {
-    for run in runs {
-        // Single values are the most frequent; a call to copy one costs more than the value.
-        if run.length == 1 {
-            to[run.to] = from[run.from];
+fn copy<T: Copy>(ranges: &[CopyRange], from: &[T], to: &mut [T]) {
+    for range in ranges {
+        // Most ranges hold a single value, for which a call of `copy_from_slice` costs more than the assignment.
+        if range.length == 1 {
+            to[range.to] = from[range.from];
         } else {
-            to[run.to..run.to + run.length].copy_from_slice(&from[run.from..run.from + run.length]);
+            to[range.to..range.to + range.length].copy_from_slice(&from[range.from..range.from + range.length]);
         }
     }
 }
 
 impl Computed {
-    pub(super) fn new(drive: &Drive, to: Slot, places: &SlotTable) -> Self {
-        let mut place = |port| places.read(port);
+    pub(super) fn new(drive: &Drive, to: Slot, table: &SlotTable) -> Self {
+        let mut slot_of = |port| table.read(port);
         let value = match (drive, to.base) {
-            (Drive::Copy(port), BaseType::Real) => ComputedValue::Real(Program::compile_signal(*port, &mut place)),
+            (Drive::Copy(port), BaseType::Real) => ComputedValue::Real(Program::compile_signal(*port, &mut slot_of)),
             (Drive::Copy(port), BaseType::Integer) => {
-                ComputedValue::Integer(Program::compile_signal(*port, &mut place))
+                ComputedValue::Integer(Program::compile_signal(*port, &mut slot_of))
             }
             (Drive::Copy(port), BaseType::Boolean) => {
-                ComputedValue::Boolean(Program::compile_signal(*port, &mut place))
+                ComputedValue::Boolean(Program::compile_signal(*port, &mut slot_of))
             }
-            (Drive::Copy(port), BaseType::String) => ComputedValue::Text(places.read(*port).index),
+            (Drive::Copy(port), BaseType::String) => ComputedValue::Text(table.read(*port).index),
             (Drive::Real(expression), BaseType::Real) => {
-                ComputedValue::Real(Program::compile_real(expression, &mut place))
+                ComputedValue::Real(Program::compile_real(expression, &mut slot_of))
             }
             (Drive::Boolean(condition), BaseType::Boolean) => {
-                ComputedValue::Boolean(Program::compile_condition(condition, &mut place))
+                ComputedValue::Boolean(Program::compile_condition(condition, &mut slot_of))
             }
             (Drive::Integer(value), BaseType::Integer) => ComputedValue::ConstantInteger(*value),
             (Drive::String(text), BaseType::String) => ComputedValue::ConstantText(text.clone()),
@@ -153,7 +157,7 @@ impl Computed {
         Self { to: to.index, value }
     }
 
-    /// Brings the value to its input.
+    /// Computes the value and stores it in its input.
     pub fn bring(&mut self, moment: &Moment<'_>, inputs: &mut Values) {
         let to = self.to;
         match &mut self.value {

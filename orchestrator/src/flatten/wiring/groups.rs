@@ -5,7 +5,7 @@ use dsl::scenario::Scenario;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-/// Instances of one worker and wave with equal periods, whose results are awaited at the same ticks.
+/// Instances of one worker and wave with equal periods whose results are awaited at the same ticks.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Group {
     /// The wave in which it steps.
@@ -14,11 +14,12 @@ pub struct Group {
     pub worker: usize,
     /// The period in ticks.
     pub every: u64,
-    /// A `=>` reads it in the tick of the order wherever one of these divides the tick; empty if none ever does.
+    /// A `=>` reads its result in the tick of the order if one of these periods divides the tick; empty if no `=>` reads
+    /// it.
     pub read_every: Vec<u64>,
     /// The instances, in the script's order.
     pub instances: Vec<usize>,
-    /// Where its outputs lie.
+    /// The ranges of its outputs.
     pub outputs: Ranges,
 }
 
@@ -37,14 +38,14 @@ impl Group {
         self.read_every.iter().any(|&every| tick.is_multiple_of(every))
     }
 
-    /// Whether the result of its last order is still to be asked for when this tick is over.
+    /// Whether the result of its last order has not yet been awaited at the end of this tick.
     #[must_use]
     pub fn is_under_way_after(&self, tick: u64) -> bool {
         let ordered_tick = tick - tick % self.every;
         self.read_every.iter().all(|every| tick - tick % every < ordered_tick)
     }
 
-    /// When the order that is under way after this tick is due.
+    /// The tick at which the order that is under way after this tick is due.
     #[must_use]
     pub fn due_after(&self, tick: u64) -> u64 {
         tick - tick % self.every + self.every
@@ -54,24 +55,24 @@ impl Group {
 /// Forms the groups, ordered by wave, and the range of groups of each wave.
 pub fn form(scenario: &Scenario, worker_of: &[usize]) -> (Vec<Group>, Vec<Range<usize>>) {
     let mut readers = vec![BTreeSet::new(); scenario.instances.len()];
-    for arrow in scenario.connections.iter().filter(|arrow| arrow.direct) {
-        let target_every = scenario.instances[arrow.target.instance].every;
-        arrow.source.reads(&scenario.conditions, &mut |port| {
+    for connection in scenario.connections.iter().filter(|connection| connection.direct) {
+        let target_every = scenario.instances[connection.target.instance].every;
+        connection.source.reads(&scenario.conditions, &mut |port| {
             let source_every = scenario.instances[port.instance].every;
             readers[port.instance].insert(source_every.max(target_every));
         });
     }
-    let mut ports = BTreeMap::<_, Vec<usize>>::new();
+    let mut members = BTreeMap::<_, Vec<usize>>::new();
     for (index, instance) in scenario.instances.iter().enumerate() {
         let key = (instance.wave, worker_of[index], instance.every, std::mem::take(&mut readers[index]));
-        ports.entry(key).or_default().push(index);
+        members.entry(key).or_default().push(index);
     }
     let form = |((wave, worker, every, readers), instances): ((usize, usize, u64, BTreeSet<u64>), Vec<usize>)| {
-        // Whoever is read at each of its own ticks needs no other reason.
+        // A group that is read at each of its own steps is awaited then: the longer periods of other readers add nothing.
         let read_every = if readers.contains(&every) { vec![every] } else { readers.into_iter().collect() };
         Group { wave, worker, every, read_every, instances, outputs: Ranges::default() }
     };
-    let groups: Vec<_> = ports.into_iter().map(form).collect();
+    let groups: Vec<_> = members.into_iter().map(form).collect();
     let mut waves: Vec<Range<usize>> = Vec::new();
     for (index, group) in groups.iter().enumerate() {
         match waves.last_mut().filter(|wave| groups[wave.start].wave == group.wave) {

@@ -1,11 +1,11 @@
-//! What a row of the trace is made of: for each column the place of its value.
+//! Where the values of a row of the trace come from: for each column the slot of its value.
 
 use super::slot_table::SlotTable;
 use crate::flatten::values::{Slot, Values};
 use dsl::scenario::Column;
 use fmi2::description::BaseType;
 
-/// The columns by where their values come from.
+/// The columns, separated into those of outputs and those of inputs.
 #[derive(Debug, Default)]
 pub struct RowLayout {
     outputs: Columns,
@@ -15,22 +15,22 @@ pub struct RowLayout {
 
 #[derive(Debug, Default)]
 struct Columns {
-    /// Index of the value, index of the column.
+    /// Index of the value and index of the column.
     reals: Vec<(usize, usize)>,
     integers: Vec<(usize, usize)>,
     booleans: Vec<(usize, usize)>,
 }
 
 impl RowLayout {
-    pub(super) fn new(columns: &[Column], places: &SlotTable) -> Self {
-        let mut plan = Self { columns: columns.len(), ..Self::default() };
+    pub(super) fn new(columns: &[Column], table: &SlotTable) -> Self {
+        let mut layout = Self { columns: columns.len(), ..Self::default() };
         for (column, recorded) in columns.iter().enumerate() {
-            match places.input(recorded.port) {
-                Some(slot) => plan.inputs.add(slot, column),
-                None => plan.outputs.add(places.read(recorded.port), column),
+            match table.input(recorded.port) {
+                Some(slot) => layout.inputs.add(slot, column),
+                None => layout.outputs.add(table.read(recorded.port), column),
             }
         }
-        plan
+        layout
     }
 
     /// An empty row.

@@ -1,4 +1,4 @@
-//! Where each value lies: by group, instance and variable, inputs and outputs apart.
+//! The slot of each value: ordered by group, instance and variable, inputs and outputs in separate arrays.
 
 use super::groups::Group;
 use crate::flatten::values::{Ranges, Slot, Values};
@@ -6,18 +6,18 @@ use dsl::scenario::{InitialStep, Port, Scenario};
 use fmi2::description::{BaseType, Causality, ModelDescription};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// An instance as its worker sees it.
+/// The ports of an instance that its worker sets and reads.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct InstancePorts {
-    /// Inputs and tunable parameters that the script ever drives.
+    /// Inputs and tunable parameters that a connection or a `set` drives.
     pub inputs: Ports,
-    /// Outputs that anything reads, judges or records.
+    /// Outputs that connections or claims read, or that are recorded.
     pub outputs: Ports,
-    /// How many of the Real outputs, counted from the first, must be finite: they are connected or asserted.
+    /// The first so many Real outputs must be finite, since a connection, a condition or a claim reads them.
     pub finite: usize,
 }
 
-/// Variables of one instance, each type one call.
+/// Variables of one instance, by type: one FMI call sets or reads all of a type.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Ports {
     /// The Reals.
@@ -30,7 +30,7 @@ pub struct Ports {
     pub texts: VariableRange,
 }
 
-/// Variables of one type whose values lie side by side.
+/// Variables of one type whose values are contiguous.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct VariableRange {
     /// Index of the first value.
@@ -41,17 +41,17 @@ pub struct VariableRange {
     pub variables: Vec<usize>,
 }
 
-/// One variable with the place of its value.
+/// One variable with the slot of its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VariableSlot {
-    /// Where the value lies.
+    /// The slot.
     pub slot: Slot,
     /// The value reference.
     pub reference: u32,
 }
 
 impl VariableRange {
-    /// Where the values lie.
+    /// The range of the values.
     #[inline]
     #[must_use]
     pub fn range(&self) -> std::ops::Range<usize> {
@@ -59,7 +59,7 @@ impl VariableRange {
     }
 }
 
-/// The places of all ports that a scenario touches.
+/// The slots of all ports that a scenario drives, reads or records.
 #[derive(Debug)]
 pub(super) struct SlotTable {
     inputs: BTreeMap<Port, VariableSlot>,
@@ -71,10 +71,10 @@ pub(super) struct SlotTable {
 }
 
 impl SlotTable {
-    /// Gives every port its place and tells the groups where theirs lie.
+    /// Assigns a slot to every port and stores the ranges of the outputs in the groups.
     pub fn assign(scenario: &Scenario, descriptions: &[&ModelDescription], groups: &mut [Group]) -> Self {
         let driven = driven(scenario);
-        let must_be_finite = counting(scenario);
+        let must_be_finite = finite_ports(scenario);
         let is_input = |port: &Port| {
             driven.contains(port) || descriptions[port.instance].variables[port.variable].causality == Causality::Input
         };
@@ -83,7 +83,7 @@ impl SlotTable {
         let mut read = must_be_finite.clone();
         read.extend(recorded_outputs);
         read.extend(scenario.initialization.iter().flat_map(initially_read));
-        let mut places = Self {
+        let mut table = Self {
             inputs: BTreeMap::new(),
             outputs: BTreeMap::new(),
             input_values: Values::default(),
@@ -92,23 +92,23 @@ impl SlotTable {
             group_of: vec![0; scenario.instances.len()],
         };
         for (index, group) in groups.iter_mut().enumerate() {
-            let begin = places.output_values.end();
+            let begin = table.output_values.end();
             for &instance in &group.instances {
                 let outputs = ports_of(instance, &read);
                 let (finite, others): (Vec<_>, Vec<_>) = outputs.partition(|port| must_be_finite.contains(port));
-                places.group_of[instance] = index;
-                places.ports[instance] = places.ports(ports_of(instance, &driven), &finite, &others, descriptions);
+                table.group_of[instance] = index;
+                table.ports[instance] = table.ports(ports_of(instance, &driven), &finite, &others, descriptions);
             }
-            group.outputs = begin.to(&places.output_values.end());
+            group.outputs = begin.to(&table.output_values.end());
         }
         for port in recorded_inputs {
-            // Nobody drives it: its value stands still, outside of what travels.
-            if !places.inputs.contains_key(&port) {
-                let pick = pick(port, &mut places.input_values, descriptions);
-                places.inputs.insert(port, pick);
+            // No connection or `set` drives it: its value stays constant and is not part of what is sent to workers.
+            if !table.inputs.contains_key(&port) {
+                let slot = add_slot(port, &mut table.input_values, descriptions);
+                table.inputs.insert(port, slot);
             }
         }
-        places
+        table
     }
 
     fn ports(
@@ -119,47 +119,47 @@ impl SlotTable {
         descriptions: &[&ModelDescription],
     ) -> InstancePorts {
         let mut ports = InstancePorts {
-            inputs: Ports::beginning_at(&self.input_values.end()),
-            outputs: Ports::beginning_at(&self.output_values.end()),
+            inputs: Ports::starting_at(&self.input_values.end()),
+            outputs: Ports::starting_at(&self.output_values.end()),
             finite: 0,
         };
         for port in inputs {
-            let pick = pick(port, &mut self.input_values, descriptions);
-            ports.inputs.add(pick, port.variable);
-            self.inputs.insert(port, pick);
+            let slot = add_slot(port, &mut self.input_values, descriptions);
+            ports.inputs.add(slot, port.variable);
+            self.inputs.insert(port, slot);
         }
         for port in finite.iter().chain(others) {
-            let pick = pick(*port, &mut self.output_values, descriptions);
-            ports.outputs.add(pick, port.variable);
-            self.outputs.insert(*port, pick);
+            let slot = add_slot(*port, &mut self.output_values, descriptions);
+            ports.outputs.add(slot, port.variable);
+            self.outputs.insert(*port, slot);
         }
         ports.finite = finite.iter().filter(|&port| self.outputs[port].slot.base == BaseType::Real).count();
         ports
     }
 
-    /// Where the value of a readable port stands among the outputs.
+    /// The slot of a readable port among the outputs.
     pub fn read(&self, port: Port) -> Slot {
-        self.pick_output(port).slot
+        self.output_slot(port).slot
     }
 
     /// The same with the value reference.
-    pub fn pick_output(&self, port: Port) -> VariableSlot {
+    pub fn output_slot(&self, port: Port) -> VariableSlot {
         *self.outputs.get(&port).unwrap_or_else(|| unreachable!("{port:?} is read but was not placed"))
     }
 
-    /// Where the value of an input stands, with its value reference.
-    pub fn pick_input(&self, port: Port) -> VariableSlot {
+    /// The slot of an input, with its value reference.
+    pub fn input_slot(&self, port: Port) -> VariableSlot {
         *self.inputs.get(&port).unwrap_or_else(|| unreachable!("{port:?} is driven but was not placed"))
     }
 
-    /// Where a recorded port stands among the inputs, if it is one.
+    /// The slot of a recorded port among the inputs, if it is an input.
     pub fn input(&self, port: Port) -> Option<Slot> {
-        self.inputs.get(&port).map(|pick| pick.slot)
+        self.inputs.get(&port).map(|slot| slot.slot)
     }
 
-    /// All inputs with their places.
+    /// All inputs with their slots.
     pub fn input_slots(&self) -> impl Iterator<Item = (Port, Slot)> + '_ {
-        self.inputs.iter().map(|(&port, pick)| (port, pick.slot))
+        self.inputs.iter().map(|(&port, slot)| (port, slot.slot))
     }
 
     /// The group of an instance.
@@ -167,27 +167,27 @@ impl SlotTable {
         self.group_of[instance]
     }
 
-    /// Room for all inputs.
+    /// Zeroed values for all inputs.
     pub fn inputs(&self) -> Values {
         self.input_values.clone()
     }
 
-    /// Room for all outputs.
+    /// Zeroed values for all outputs.
     pub fn outputs(&self) -> Values {
         self.output_values.clone()
     }
 
-    /// Hands the ports over, once.
-    pub fn take_members(&mut self) -> Vec<InstancePorts> {
+    /// Moves the ports out; the table is left without them.
+    pub fn take_ports(&mut self) -> Vec<InstancePorts> {
         std::mem::take(&mut self.ports)
     }
 }
 
 impl Ports {
-    /// Gives variables of a unit places behind the values that are there; `None` if the unit has no such variable.
+    /// Appends slots for variables of a unit to these values; `None` if the unit has no such variable.
     #[must_use]
     pub fn place(variables: &[usize], description: &ModelDescription, values: &mut Values) -> Option<Self> {
-        let mut ports = Self::beginning_at(&values.end());
+        let mut ports = Self::starting_at(&values.end());
         for &index in variables {
             let variable = description.variables.get(index)?;
             let slot = values.add(variable.base_type());
@@ -196,7 +196,7 @@ impl Ports {
         Some(ports)
     }
 
-    /// The values of these ports alone, in their order, whatever lies around them.
+    /// Copies the values of these ports, in their order, out of the values of all ports.
     #[must_use]
     pub fn values(&self, among: &Values) -> Values {
         Values {
@@ -210,11 +210,11 @@ impl Ports {
     /// Whether there is one value for each of these ports.
     #[must_use]
     pub fn fit(&self, values: &Values) -> bool {
-        let counts = [&self.reals, &self.integers, &self.booleans, &self.texts].map(|span| span.references.len());
+        let counts = [&self.reals, &self.integers, &self.booleans, &self.texts].map(|range| range.references.len());
         counts == [values.reals.len(), values.integers.len(), values.booleans.len(), values.texts.len()]
     }
 
-    /// Puts what [`Ports::values`] took where these ports lie.
+    /// Copies what [`Ports::values`] returned back to the slots of these ports.
     ///
     /// # Panics
     /// If the values do not fit.
@@ -225,29 +225,29 @@ impl Ports {
         among.texts[self.texts.range()].clone_from_slice(&values.texts);
     }
 
-    fn beginning_at(end: &Ranges) -> Self {
-        let span = |start| VariableRange { start, ..VariableRange::default() };
+    fn starting_at(end: &Ranges) -> Self {
+        let range = |start| VariableRange { start, ..VariableRange::default() };
         Self {
-            reals: span(end.reals.start),
-            integers: span(end.integers.start),
-            booleans: span(end.booleans.start),
-            texts: span(end.texts.start),
+            reals: range(end.reals.start),
+            integers: range(end.integers.start),
+            booleans: range(end.booleans.start),
+            texts: range(end.texts.start),
         }
     }
 
-    fn add(&mut self, pick: VariableSlot, variable: usize) {
-        let span = match pick.slot.base {
+    fn add(&mut self, slot: VariableSlot, variable: usize) {
+        let range = match slot.slot.base {
             BaseType::Real => &mut self.reals,
             BaseType::Integer => &mut self.integers,
             BaseType::Boolean => &mut self.booleans,
             BaseType::String => &mut self.texts,
         };
-        span.references.push(pick.reference);
-        span.variables.push(variable);
+        range.references.push(slot.reference);
+        range.variables.push(variable);
     }
 }
 
-/// Inputs and tunable parameters that the script ever drives.
+/// Inputs and tunable parameters that a connection or a `set` drives.
 fn driven(scenario: &Scenario) -> BTreeSet<Port> {
     let connected = scenario.connections.iter().map(|connection| connection.target);
     let set = scenario.events.iter().flat_map(|event| event.sets().map(|set| set.target));
@@ -255,16 +255,16 @@ fn driven(scenario: &Scenario) -> BTreeSet<Port> {
 }
 
 /// Ports that connections, `set`, conditions or claims read: those whose values must be finite.
-fn counting(scenario: &Scenario) -> BTreeSet<Port> {
+fn finite_ports(scenario: &Scenario) -> BTreeSet<Port> {
     let mut ports = BTreeSet::new();
-    let (conditions, told) = (&scenario.conditions, &mut |port| {
+    let (conditions, visit) = (&scenario.conditions, &mut |port| {
         ports.insert(port);
     });
     let sets = scenario.events.iter().flat_map(dsl::scenario::Event::sets).map(|set| &set.value);
     let drives = scenario.connections.iter().map(|connection| &connection.source).chain(sets);
-    drives.for_each(|drive| drive.reads(conditions, told));
-    conditions.iter().for_each(|condition| condition.is.reads(conditions, told));
-    scenario.claims.iter().for_each(|claim| claim.formula.reads(conditions, told));
+    drives.for_each(|drive| drive.reads(conditions, visit));
+    conditions.iter().for_each(|condition| condition.is.reads(conditions, visit));
+    scenario.claims.iter().for_each(|claim| claim.formula.reads(conditions, visit));
     ports
 }
 
@@ -283,7 +283,7 @@ fn ports_of(instance: usize, ports: &BTreeSet<Port>) -> impl Iterator<Item = Por
     ports.range(first..=last).copied()
 }
 
-fn pick(port: Port, values: &mut Values, descriptions: &[&ModelDescription]) -> VariableSlot {
+fn add_slot(port: Port, values: &mut Values, descriptions: &[&ModelDescription]) -> VariableSlot {
     let variable = &descriptions[port.instance].variables[port.variable];
     VariableSlot { slot: values.add(variable.base_type()), reference: variable.value_reference }
 }

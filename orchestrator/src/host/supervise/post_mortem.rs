@@ -1,4 +1,4 @@
-//! What units said and what is known of a stepping process that died, in the log_order that the user reads.
+//! The text of units' log messages, and the failure of a stepping process that died.
 
 use dsl::scenario::Scenario;
 use fmi2::c::Status;
@@ -11,20 +11,20 @@ use unit::logger::LogMessage;
 use unit::time::seconds;
 
 /// A unit's message with instance and time.
-pub(super) fn log_line(said: &LogMessage, scenario: &Scenario) -> String {
-    let time = shortest_decimal(seconds(said.tick, scenario.step_ns));
-    let instance = said.instance.and_then(|instance| scenario.instances.get(instance));
+pub(super) fn log_line(message: &LogMessage, scenario: &Scenario) -> String {
+    let time = shortest_decimal(seconds(message.tick, scenario.step_ns));
+    let instance = message.instance.and_then(|instance| scenario.instances.get(instance));
     let name = instance.map_or("-", |instance| instance.name.as_str());
-    let status = match Status::from_raw(said.status) {
+    let status = match Status::from_raw(message.status) {
         Some(Status::Ok) => "info".to_owned(),
         Some(Status::Warning) => "warning".to_owned(),
         Some(Status::Discard) => "discard".to_owned(),
         Some(Status::Error) => "error".to_owned(),
         Some(Status::Fatal) => "fatal".to_owned(),
         Some(Status::Pending) => "pending".to_owned(),
-        None => format!("status {}", said.status),
+        None => format!("status {}", message.status),
     };
-    format!("{time} s  {name}  {status}  {}", harmless(said.text.trim_end()))
+    format!("{time} s  {name}  {status}  {}", harmless(message.text.trim_end()))
 }
 
 /// Without the characters that would command the user's terminal.
@@ -62,9 +62,9 @@ mod tests {
     use fmi2::calls::Call;
 
     #[test]
-    fn a_units_words_come_with_time_instance_and_status() {
+    fn a_log_message_is_printed_with_time_instance_and_status() {
         let line = |instance, status, text: &str| {
-            let said = LogMessage {
+            let message = LogMessage {
                 instance,
                 tick: 1234,
                 counts_at: 1235,
@@ -72,7 +72,7 @@ mod tests {
                 category: String::new(),
                 text: text.into(),
             };
-            log_line(&said, &scenario())
+            log_line(&message, &scenario())
         };
         assert_eq!(line(Some(0), 1, "low battery: 7 %\n"), "12.34 s  quad  warning  low battery: 7 %");
         assert_eq!(line(None, 0, "hello"), "12.34 s  -  info  hello");
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn an_exit_without_a_last_word_is_a_failure_even_with_code_0() {
+    fn an_exit_without_a_reported_end_is_a_failure_even_with_code_0() {
         let call = InCall { tick: 0, instance: 0, doing: Doing::Load, count: 1 };
         let failure = failure(Some(call), 0, &scenario(), cause_of_death(ExitStatus::from_raw(0)));
         assert_eq!(failure.to_string(), "`quad` ended its process (exit code 0) in the loading of its library");
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn a_death_between_calls_is_nobodys() {
+    fn a_death_between_calls_names_no_instance() {
         let failure = failure(None, 100, &scenario(), Cause::Signal(9));
         assert_eq!(failure.to_string(), "the stepping process died of signal 9 (SIGKILL) between calls at 1 s");
     }

@@ -1,4 +1,4 @@
-//! What whoever looks after a run is told, what it says in the end, and what it looks after.
+//! The types of supervision: its request, its result, and what it supervises.
 
 use crate::run::message::Finish;
 use crate::run::run_spec::RunSpec;
@@ -12,7 +12,7 @@ use std::{fmt, io};
 use unit::board::Board;
 use unit::failure::{Cause, Failure};
 
-/// What the parent of a run is told.
+/// The request to supervise a run.
 #[derive(Clone, Debug)]
 pub struct SuperviseRequest<'a> {
     /// What to run.
@@ -40,13 +40,13 @@ pub enum Placement {
 /// Starts the workers of a run and its loop, which writes rows, messages and claims to this board.
 pub type StartWorkers = fn(&SuperviseRequest<'_>, &Arc<Board>) -> io::Result<Box<dyn Stepping>>;
 
-/// What steps a run, seen from the one who looks after it.
+/// The process or thread that steps a run, seen by its supervisor.
 pub trait Stepping {
     /// If it is over: why, should it count as broken since it did not say that it was done. All that it told is on the
     /// board then.
     ///
     /// # Errors
-    /// The system does not tell.
+    /// The system cannot report the state of the process.
     fn ended(&mut self) -> io::Result<Option<Cause>>;
 
     /// Ends it at once; [`Stepping::ended`] tells when that has happened.

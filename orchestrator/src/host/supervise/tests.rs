@@ -63,12 +63,12 @@ impl Run {
         }
     }
 
-    fn say(&self, message: &Message) {
+    fn send(&self, message: &Message) {
         assert!(self.board.push_message(&postcard::to_stdvec(message).unwrap()));
     }
 
     fn finish(&self, reason: Reason) {
-        self.say(&Message::Finished(Finish { last_tick: 9000, reason }));
+        self.send(&Message::Finished(Finish { last_tick: 9000, reason }));
     }
 
     /// What the parent makes of it once the process is gone, and what it printed.
@@ -106,14 +106,14 @@ fn rows_and_the_call_of_a_process_that_died_are_there() {
     assert_eq!(SerializedFileReader::new(columns).unwrap().metadata().file_metadata().num_rows(), 3);
 }
 
-/// Keeps what it is told.
+/// Stores what it is called with.
 #[derive(Debug, Default)]
-struct Seats {
+struct RecordingObserver {
     begun: bool,
     rows: Vec<(u64, u64)>,
 }
 
-impl LiveObserver for Seats {
+impl LiveObserver for RecordingObserver {
     fn begin(&mut self, _: &Arc<Board>) {
         self.begun = true;
     }
@@ -126,22 +126,23 @@ impl LiveObserver for Seats {
 }
 
 #[test]
-fn an_audience_is_told_every_row_also_where_none_is_written() {
+fn a_live_observer_gets_every_row_even_if_none_is_written() {
     let run = Run::new();
     run.rows(3);
-    let (mut seats, mut console) = (Seats::default(), Console::new(Vec::new(), Style::Tenths));
+    let (mut observer, mut console) = (RecordingObserver::default(), Console::new(Vec::new(), Style::Tenths));
     let request = run.request("");
-    Supervision::new(&request, &run.board, Recorder::default(), Some(&mut seats), &mut console).drain().unwrap();
-    assert_eq!(seats.rows, [0, 1, 2].map(|tick| (tick, (tick as f64).to_bits())));
+    Supervision::new(&request, &run.board, Recorder::default(), Some(&mut observer), &mut console).drain().unwrap();
+    assert_eq!(observer.rows, [0, 1, 2].map(|tick| (tick, (tick as f64).to_bits())));
 }
 
 #[test]
-fn an_audience_is_told_that_a_run_begins() {
+fn a_live_observer_is_called_when_a_run_begins() {
     let run = Run::new();
-    let mut seats = Seats::default();
+    let mut observer = RecordingObserver::default();
     let request = run.request("/bin/true");
-    supervise(&request, Recorder::default(), Some(&mut seats), &mut Console::new(Vec::new(), Style::Tenths)).unwrap();
-    assert!(seats.begun);
+    supervise(&request, Recorder::default(), Some(&mut observer), &mut Console::new(Vec::new(), Style::Tenths))
+        .unwrap();
+    assert!(observer.begun);
 }
 
 #[test]
@@ -174,7 +175,7 @@ fn what_the_run_says_about_its_break_counts_more_than_how_its_process_ended() {
         time_s: Some(0.05),
         cause: Cause::Status(3),
     };
-    run.say(&Message::Broken(failure.clone()));
+    run.send(&Message::Broken(failure.clone()));
     assert_eq!(run.concluded(DIED_OF_SIGSEGV).0.failure, Some(failure));
 }
 
@@ -205,7 +206,7 @@ fn what_units_say_is_printed_in_order() {
     for (tick, text) in [(1, "low battery"), (2, "empty battery")] {
         let category = "battery".to_owned();
         let (instance, counts_at, text) = (Some(0), tick, text.to_owned());
-        run.say(&Message::Log(LogMessage { instance, tick, counts_at, status: 1, category, text }));
+        run.send(&Message::Log(LogMessage { instance, tick, counts_at, status: 1, category, text }));
     }
     let (_, printed) = run.concluded(EXITED_WITH_0);
     assert_eq!(printed, "0.01 s  quad  warning  low battery\n0.02 s  quad  warning  empty battery\n");

@@ -1,4 +1,4 @@
-//! Replies: when each is awaited, where its values go, and what it may say.
+//! Takes replies: when each is awaited, where its values are stored, and how a run ends by one.
 
 use super::{Observer, StepLoop};
 use crate::flatten::values::Values;
@@ -9,15 +9,15 @@ use fmi2::calls::Call;
 use std::ops::Range;
 use unit::failure::{Cause, Doing, Failure};
 
-/// A unit that reached the end of its step may say so in its own rounding.
+/// A unit that reached the end of its step may report that time with its own rounding.
 const HALF_A_NANOSECOND_S: f64 = 0.5e-9;
 
 /// An order whose result is not yet due.
 #[derive(Debug)]
 pub(super) enum UnderWay {
-    /// Nobody has asked for its reply.
+    /// Its reply has not been awaited.
     Ordered(Ticket),
-    /// A checkpoint asked early; the values lie aside.
+    /// A checkpoint awaited its reply early; the values are in [`StepLoop::early`].
     Early(Box<Result<Reply, Lost>>),
 }
 
@@ -81,7 +81,7 @@ impl<W: Observer> StepLoop<'_, W> {
     /// the row before was the last.
     ///
     /// # Errors
-    /// The first instance in the script's order whose step failed, or whose values are none.
+    /// The first instance in the script's order whose step failed, or whose values are not finite.
     pub(super) fn gather(&mut self, tick: u64) -> Result<Option<Finish>, Failure> {
         if tick == 0 {
             return Ok(None);
@@ -121,7 +121,7 @@ impl<W: Observer> StepLoop<'_, W> {
         self.conclude(taken, tick, |group| group.is_read_at(tick).then(|| tick + group.every))
     }
 
-    /// Judges what was taken; `delivered` tells for which tick a group delivered, if it did.
+    /// Judges what was taken; `delivered` returns the tick for which a group delivered, if it did.
     #[inline]
     fn conclude(
         &self,
@@ -152,8 +152,8 @@ impl<W: Observer> StepLoop<'_, W> {
         Some(Finish { last_tick, reason: Reason::Terminated(first) })
     }
 
-    /// Refuses values that are no numbers where they are connected or asserted, in groups that just delivered;
-    /// `delivered` tells for which tick.
+    /// Refuses values that are not finite where they are connected or asserted, in groups that just delivered; `delivered`
+    /// returns the tick for which.
     ///
     /// # Errors
     /// The first such variable in the script's order.
@@ -186,10 +186,10 @@ impl<W: Observer> StepLoop<'_, W> {
     }
 }
 
-/// Whether all are finite numbers: such a one less itself is zero, any other is none. Without a branch for each, so that
-/// several are taken at once.
+/// Whether all are finite: a finite number minus itself is zero, any other gives NaN. There is no branch for each value,
+/// so that the compiler can vectorize the loop.
 #[inline]
-#[expect(clippy::eq_op, reason = "the difference is what tells")]
+#[expect(clippy::eq_op, reason = "the difference is NaN for values that are not finite")]
 fn all_finite(values: &[f64]) -> bool {
     values.iter().fold(0, |bits, value| bits | (value - value).to_bits()) == 0
 }

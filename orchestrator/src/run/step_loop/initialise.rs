@@ -1,4 +1,4 @@
-//! Initialization: both arrows carry values along the units' declared dependencies, then the outputs at tick 0.
+//! Initialization: `->` and `=>` carry values along the units' declared dependencies, then the outputs at tick 0.
 
 use super::{Observer, StepLoop};
 use crate::flatten::expression::Moment;
@@ -6,19 +6,19 @@ use crate::flatten::wiring::InitialCall;
 use unit::failure::Failure;
 
 impl<W: Observer> StepLoop<'_, W> {
-    /// Takes the turns of initialization in order and ends it.
+    /// Makes the calls of initialization in their order and ends it.
     ///
     /// # Errors
-    /// A unit refuses, or an initial value is no number.
+    /// A unit refuses, or an initial value is not finite.
     pub(super) fn initialise(&mut self) -> Result<(), Failure> {
-        for turn in &mut self.wiring.initialization {
-            match turn {
-                InitialCall::Set { worker, instance, feed, picks } => {
+        for call in &mut self.wiring.initialization {
+            match call {
+                InitialCall::Set { worker, instance, feed, slots } => {
                     feed.bring(&Moment { outputs: &self.visible, time_s: 0.0, rises: &self.rises }, &mut self.inputs);
-                    self.workers[*worker].set_initial(*instance, picks, &self.inputs)
+                    self.workers[*worker].set_initial(*instance, slots, &self.inputs)
                 }
-                InitialCall::Get { worker, instance, picks } => {
-                    self.workers[*worker].get_initial(*instance, picks, &mut self.visible)
+                InitialCall::Get { worker, instance, slots } => {
+                    self.workers[*worker].get_initial(*instance, slots, &mut self.visible)
                 }
             }
             .map_err(|lost| lost.failure)?;

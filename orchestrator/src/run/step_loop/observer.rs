@@ -1,23 +1,23 @@
-//! Who sees a run while it goes on: the board, or a test.
+//! The trait of those that observe a run while it goes on: the board, or a test.
 
 use super::Checkpoint;
 use results::verdict::Standing;
 
-/// Takes what the loop tells. Each of these is called often and must be quick.
+/// Receives what the loop reports. The loop waits for each of these calls, so they must be quick.
 pub trait Observer {
     /// The run has reached a tick.
     fn reached(&mut self, tick: u64);
-    /// Whether somebody wishes the run to end.
+    /// Whether the run is to end early.
     fn stop_requested(&self) -> bool;
     /// A row is complete.
     fn row(&mut self, tick: u64, row: &[u64]);
-    /// Whether the run is to be kept as it is when the row of this tick is complete.
+    /// Whether the run is to be saved after the row of this tick.
     fn wants_checkpoint(&self, tick: u64) -> bool;
-    /// Keeps the run as it is.
+    /// Stores the checkpoint.
     ///
     /// # Errors
-    /// What keeps it from being kept.
+    /// Why it could not be stored.
     fn checkpoint(&mut self, checkpoint: &Checkpoint) -> Result<(), String>;
-    /// A claim stands differently than before.
+    /// The standing of a claim has changed, or the run has ended.
     fn claim(&mut self, claim: usize, standing: Standing);
 }

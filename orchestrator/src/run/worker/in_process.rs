@@ -1,4 +1,4 @@
-//! Instances in this very process: an order is a few calls through function pointers.
+//! The worker that holds its instances in this process: an order is a few calls through function pointers.
 
 use super::{Lost, Order, Reply, Shutdown, Terminated, Ticket, Worker};
 use crate::flatten::values::Values;
@@ -24,9 +24,9 @@ pub struct Instantiated {
 pub struct InProcess {
     note: Note,
     step_ns: u64,
-    /// By group and then in the script's order.
+    /// The instances, by group and then in the script's order.
     held: Vec<HeldInstance>,
-    /// For each group of the run; those of other workers have no held.
+    /// For each group of the run; the range of a group of another worker is empty.
     groups: Vec<GroupSteps>,
 }
 
@@ -39,11 +39,12 @@ struct HeldInstance {
     failed: bool,
 }
 
-/// What goes in or comes out by one call for each type. Kept small: the loop walks over all of them at each tick.
+/// The variables that are set or read with one call for each type. Kept small, since the loop visits all of them at
+/// each tick.
 #[derive(Debug)]
 struct Calls {
     reals: Call,
-    /// Most instances have Reals only.
+    /// `None` for the many instances that have Reals only.
     others: Option<Box<Others>>,
 }
 
@@ -54,14 +55,14 @@ struct Others {
     texts: Call,
 }
 
-/// Values that lie side by side; of none nothing is called.
+/// Variables whose values are contiguous; without any, no call is made.
 #[derive(Debug)]
 struct Call {
     references: Box<[u32]>,
     start: usize,
 }
 
-/// The held of a group, and what its last step brought besides values.
+/// The instances of a group, as a range of [`InProcess::held`], and the result of its last step besides values.
 #[derive(Debug, Default)]
 struct GroupSteps {
     held: Range<usize>,
@@ -72,7 +73,7 @@ struct GroupSteps {
 }
 
 impl InProcess {
-    /// Seats the instances of one worker, which notes its calls here.
+    /// Makes a worker of these instances; their calls are noted in `note`.
     #[must_use]
     pub fn new(
         step_ns: u64,
@@ -103,7 +104,7 @@ impl InProcess {
     }
 }
 
-/// The held in the script's order.
+/// The instances in the script's order.
 fn in_order(held: &mut [HeldInstance]) -> Vec<&mut HeldInstance> {
     let mut held: Vec<_> = held.iter_mut().collect();
     held.sort_by_key(|held| held.index);
@@ -116,16 +117,16 @@ fn find(held: &mut [HeldInstance], index: usize) -> &mut HeldInstance {
 }
 
 impl Worker for InProcess {
-    fn set_initial(&mut self, instance: usize, picks: &[VariableSlot], inputs: &Values) -> Result<(), Lost> {
+    fn set_initial(&mut self, instance: usize, slots: &[VariableSlot], inputs: &Values) -> Result<(), Lost> {
         let Self { note, held, .. } = self;
         let held = find(held, instance);
-        held.set_picked(&note.at(0, 0.0), picks, inputs).map_err(|failure| held.lose(failure))
+        held.set_slots(&note.at(0, 0.0), slots, inputs).map_err(|failure| held.lose(failure))
     }
 
-    fn get_initial(&mut self, instance: usize, picks: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost> {
+    fn get_initial(&mut self, instance: usize, slots: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost> {
         let Self { note, held, .. } = self;
         let held = find(held, instance);
-        held.get_picked(&note.at(0, 0.0), picks, outputs).map_err(|failure| held.lose(failure))
+        held.get_slots(&note.at(0, 0.0), slots, outputs).map_err(|failure| held.lose(failure))
     }
 
     fn start(&mut self, outputs: &mut Values) -> Result<(), Lost> {
@@ -148,7 +149,7 @@ impl Worker for InProcess {
                     group.terminated.push(Terminated { instance: held.index, last_successful_time_s });
                 }
                 Err(failure) => {
-                    // The results of those behind it would be dropped together with its own.
+                    // The reply of the group is an error now, so the results of later instances would be dropped.
                     group.lost = Some(held.lose(failure));
                     break;
                 }
@@ -205,9 +206,9 @@ impl Worker for InProcess {
 
 impl Calls {
     fn new(ports: &Ports) -> Self {
-        let call = |span: &VariableRange| Call { references: span.references.clone().into(), start: span.start };
+        let call = |range: &VariableRange| Call { references: range.references.clone().into(), start: range.start };
         let others = [&ports.integers, &ports.booleans, &ports.texts];
-        let others = others.iter().any(|span| !span.references.is_empty()).then(|| {
+        let others = others.iter().any(|range| !range.references.is_empty()).then(|| {
             let [integers, booleans, texts] = others.map(call);
             Box::new(Others { integers, booleans, texts })
         });
@@ -263,16 +264,16 @@ impl HeldInstance {
         self.instance.get_string(now, &texts.references, &mut outputs.texts[texts.range()])
     }
 
-    fn set_picked(&mut self, now: &Now<'_>, picks: &[VariableSlot], inputs: &Values) -> Result<(), Failure> {
-        let [reals, integers, booleans, texts] = by_type(picks);
+    fn set_slots(&mut self, now: &Now<'_>, slots: &[VariableSlot], inputs: &Values) -> Result<(), Failure> {
+        let [reals, integers, booleans, texts] = by_type(slots);
         self.instance.set_real(now, &reals.references, &reals.out_of(&inputs.reals))?;
         self.instance.set_integer(now, &integers.references, &integers.out_of(&inputs.integers))?;
         self.instance.set_boolean(now, &booleans.references, &booleans.out_of(&inputs.booleans))?;
         self.instance.set_string(now, &texts.references, &texts.out_of(&inputs.texts))
     }
 
-    fn get_picked(&mut self, now: &Now<'_>, picks: &[VariableSlot], outputs: &mut Values) -> Result<(), Failure> {
-        let [reals, integers, booleans, texts] = by_type(picks);
+    fn get_slots(&mut self, now: &Now<'_>, slots: &[VariableSlot], outputs: &mut Values) -> Result<(), Failure> {
+        let [reals, integers, booleans, texts] = by_type(slots);
         reals.fetch(&mut outputs.reals, |to| self.instance.get_real(now, &reals.references, to))?;
         integers.fetch(&mut outputs.integers, |to| self.instance.get_integer(now, &integers.references, to))?;
         booleans.fetch(&mut outputs.booleans, |to| self.instance.get_boolean(now, &booleans.references, to))?;
@@ -280,16 +281,16 @@ impl HeldInstance {
     }
 }
 
-/// Variables of one type whose values lie anywhere.
+/// Variables of one type whose values are not contiguous.
 struct Scattered {
     references: Vec<u32>,
     at: Vec<usize>,
 }
 
-fn by_type(picks: &[VariableSlot]) -> [Scattered; 4] {
+fn by_type(slots: &[VariableSlot]) -> [Scattered; 4] {
     [BaseType::Real, BaseType::Integer, BaseType::Boolean, BaseType::String].map(|base| {
-        let of_type = picks.iter().filter(|pick| pick.slot.base == base);
-        let (references, at) = of_type.map(|pick| (pick.reference, pick.slot.index)).unzip();
+        let of_type = slots.iter().filter(|variable| variable.slot.base == base);
+        let (references, at) = of_type.map(|variable| (variable.reference, variable.slot.index)).unzip();
         Scattered { references, at }
     })
 }
@@ -314,11 +315,11 @@ impl Scattered {
 }
 
 #[test]
-fn variables_are_asked_for_by_type_and_their_values_go_to_their_places() {
+fn variables_are_read_by_type_and_their_values_stored_in_their_slots() {
     use crate::flatten::values::Slot;
-    let pick = |base, index, reference| VariableSlot { slot: Slot { base, index }, reference };
+    let slot = |base, index, reference| VariableSlot { slot: Slot { base, index }, reference };
     let (real, integer) = (BaseType::Real, BaseType::Integer);
-    let [reals, integers, booleans, texts] = by_type(&[pick(real, 3, 30), pick(integer, 0, 31), pick(real, 1, 10)]);
+    let [reals, integers, booleans, texts] = by_type(&[slot(real, 3, 30), slot(integer, 0, 31), slot(real, 1, 10)]);
     assert_eq!((reals.references.as_slice(), integers.references.as_slice()), ([30, 10].as_slice(), [31].as_slice()));
     assert!(booleans.references.is_empty() && texts.references.is_empty());
     let mut values = [0.0, 1.0, 2.0, 3.0];

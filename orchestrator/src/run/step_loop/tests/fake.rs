@@ -188,8 +188,8 @@ impl Script {
             checkpoints: Vec::new(),
         };
         seen.standings.resize(self.scenario.claims.len(), None);
-        let wishes = LoopOptions { fail_fast: self.fail_fast, record: true };
-        let result = StepLoop::new(wiring, claims, workers, wishes, &mut seen).run(self.from.as_ref());
+        let options = LoopOptions { fail_fast: self.fail_fast, record: true };
+        let result = StepLoop::new(wiring, claims, workers, options, &mut seen).run(self.from.as_ref());
         let standings: Vec<_> = seen.standings.into_iter().flatten().collect();
         let verdicts = standings.iter().map(|standing| standing.verdict).collect();
         let asked = asked.borrow().clone();
@@ -285,18 +285,18 @@ impl FakeWorker {
 }
 
 impl Worker for FakeWorker {
-    fn set_initial(&mut self, instance: usize, picks: &[VariableSlot], inputs: &Values) -> Result<(), Lost> {
+    fn set_initial(&mut self, instance: usize, slots: &[VariableSlot], inputs: &Values) -> Result<(), Lost> {
         assert!(self.mine.contains(&instance));
-        for pick in picks {
-            // Initially y is u, so that initialization can be followed along arrows.
-            self.initial[instance] = inputs.reals[pick.slot.index];
+        for variable in slots {
+            // Initially y is u, so that initialization can be followed along connections.
+            self.initial[instance] = inputs.reals[variable.slot.index];
         }
         Ok(())
     }
 
-    fn get_initial(&mut self, instance: usize, picks: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost> {
-        for pick in picks {
-            outputs.reals[pick.slot.index] = self.initial[instance] + 1.0;
+    fn get_initial(&mut self, instance: usize, slots: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost> {
+        for variable in slots {
+            outputs.reals[variable.slot.index] = self.initial[instance] + 1.0;
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! Whole flights of a foreign unit in C, from the spec to the board, in this process.
+//! Whole runs of a foreign unit in C, from the spec to the board, in this process.
 #![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
 
 use dsl::scenario::{
@@ -115,7 +115,7 @@ fn misbehaving(call: &str, how: &str, from_s: f64) -> Ran {
 }
 
 #[test]
-fn two_foreign_units_fly_as_their_equations_say_bit_for_bit() {
+fn two_foreign_units_follow_their_equations_bit_for_bit() {
     let ran = step_run(scenario(), &Foreign::default());
     assert_eq!(ran.end, Message::Finished(Finish { last_tick: 10, reason: Reason::StopTime }));
     let (mut a, mut b) = (0.0, 0.0);
@@ -137,7 +137,7 @@ fn a_unit_that_is_done_within_a_step_leaves_the_row_before() {
 }
 
 #[test]
-fn what_breaks_a_flight_is_named_and_the_rows_before_are_kept() {
+fn what_breaks_a_run_is_named_and_the_rows_before_are_kept() {
     let step = Doing::Call(Call::DoStep);
     let not_a_number = || Cause::NonFinite { variable: "y".to_owned(), value: "NaN".to_owned() };
     for (call, how, from_s, doing, time_s, cause, rows) in [
