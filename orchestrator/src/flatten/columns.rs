@@ -1,7 +1,8 @@
 //! The metadata of each recorded column, from the scenario and the descriptions of its units.
 
+use crate::flatten::values::ValueType;
 use dsl::scenario::{Column, Scenario};
-use fmi2::description::{BaseType, Kind, ModelDescription, Variable};
+use fmi2::description::{Kind, ModelDescription, Variable};
 use results::signals::{Signal, SlotType};
 
 /// The signals of a scenario's columns, in their order; `description_of` returns the description of an instance.
@@ -25,7 +26,7 @@ fn signal<'a>(column: &'a Column, instance: &'a str, description: &'a ModelDescr
         causality: variable.causality.name(),
         description: variable.description.as_deref(),
         items: description.items_of(variable).iter().map(|item| (item.value, item.name.as_str())).collect(),
-        slot_type: slot_type(variable.base_type()),
+        slot_type: slot_type(ValueType::of(variable)),
     }
 }
 
@@ -39,12 +40,12 @@ fn kind_name(variable: &Variable) -> &'static str {
     }
 }
 
-fn slot_type(base_type: BaseType) -> SlotType {
-    match base_type {
-        BaseType::Real => SlotType::Real,
-        BaseType::Integer => SlotType::Integer,
-        BaseType::Boolean => SlotType::Boolean,
-        BaseType::String => unreachable!("the resolver admits no column of strings"),
+fn slot_type(value_type: ValueType) -> SlotType {
+    match value_type {
+        ValueType::Real => SlotType::Real,
+        ValueType::Integer => SlotType::Integer,
+        ValueType::Boolean => SlotType::Boolean,
+        ValueType::Text => unreachable!("the resolver admits no column of strings"),
     }
 }
 

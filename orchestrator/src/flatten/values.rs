@@ -1,7 +1,7 @@
 //! Values flattened to one array for each base type, with indices into them.
 
 use dsl::scenario::Value;
-use fmi2::description::{BaseType, Kind, Variable};
+use fmi2::description::{Kind, Variable};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -18,11 +18,37 @@ pub struct Values {
     pub texts: Vec<String>,
 }
 
+/// The type of a value of a run, whatever standard a unit follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum ValueType {
+    /// A number in SI units.
+    Real,
+    /// A whole number, also that of an enumeration's item.
+    Integer,
+    /// True or false.
+    Boolean,
+    /// A text.
+    Text,
+}
+
+impl ValueType {
+    /// The type of a variable's values.
+    #[must_use]
+    pub fn of(variable: &Variable) -> Self {
+        match variable.kind {
+            Kind::Real(_) => Self::Real,
+            Kind::Integer { .. } | Kind::Enumeration { .. } => Self::Integer,
+            Kind::Boolean { .. } => Self::Boolean,
+            Kind::String { .. } => Self::Text,
+        }
+    }
+}
+
 /// The index of one value in [`Values`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Slot {
     /// The type, which selects the array.
-    pub base: BaseType,
+    pub base: ValueType,
     /// The index into it.
     pub index: usize,
 }
@@ -42,12 +68,12 @@ pub struct Ranges {
 
 impl Values {
     /// Adds a slot that holds zero, false or the empty text.
-    pub fn add(&mut self, base: BaseType) -> Slot {
+    pub fn add(&mut self, base: ValueType) -> Slot {
         let index = match base {
-            BaseType::Real => grow(&mut self.reals),
-            BaseType::Integer => grow(&mut self.integers),
-            BaseType::Boolean => grow(&mut self.booleans),
-            BaseType::String => grow(&mut self.texts),
+            ValueType::Real => grow(&mut self.reals),
+            ValueType::Integer => grow(&mut self.integers),
+            ValueType::Boolean => grow(&mut self.booleans),
+            ValueType::Text => grow(&mut self.texts),
         };
         Slot { base, index }
     }
@@ -79,10 +105,10 @@ impl Values {
     pub fn copy_slot(&mut self, to: Slot, from: &Self, at: Slot) {
         assert_eq!(to.base, at.base, "a value is copied to a slot of its type");
         match to.base {
-            BaseType::Real => self.reals[to.index] = from.reals[at.index],
-            BaseType::Integer => self.integers[to.index] = from.integers[at.index],
-            BaseType::Boolean => self.booleans[to.index] = from.booleans[at.index],
-            BaseType::String => self.texts[to.index].clone_from(&from.texts[at.index]),
+            ValueType::Real => self.reals[to.index] = from.reals[at.index],
+            ValueType::Integer => self.integers[to.index] = from.integers[at.index],
+            ValueType::Boolean => self.booleans[to.index] = from.booleans[at.index],
+            ValueType::Text => self.texts[to.index].clone_from(&from.texts[at.index]),
         }
     }
 
@@ -92,10 +118,10 @@ impl Values {
     /// If the value is not of the slot's type; the resolver excludes that.
     pub fn store(&mut self, slot: Slot, value: &Value) {
         match (slot.base, value) {
-            (BaseType::Real, Value::Real(value)) => self.reals[slot.index] = *value,
-            (BaseType::Integer, Value::Integer(value)) => self.integers[slot.index] = *value,
-            (BaseType::Boolean, Value::Boolean(value)) => self.booleans[slot.index] = i32::from(*value),
-            (BaseType::String, Value::String(value) | Value::File(value)) => self.texts[slot.index].clone_from(value),
+            (ValueType::Real, Value::Real(value)) => self.reals[slot.index] = *value,
+            (ValueType::Integer, Value::Integer(value)) => self.integers[slot.index] = *value,
+            (ValueType::Boolean, Value::Boolean(value)) => self.booleans[slot.index] = i32::from(*value),
+            (ValueType::Text, Value::String(value) | Value::File(value)) => self.texts[slot.index].clone_from(value),
             (base, value) => unreachable!("{value:?} was resolved for a variable of type {base:?}"),
         }
     }

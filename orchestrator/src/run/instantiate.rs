@@ -97,15 +97,16 @@ impl Instantiator<'_> {
     }
 
     fn set(&self, instance: &mut Instance, start: &Now<'_>, preset: &Preset, unit: &UnitSpec) -> Result<(), Failure> {
-        let reference = &[unit.description.variables[preset.variable].value_reference];
+        let handles = instance.handles([preset.variable]);
+        let handle = &handles.unwrap_or_else(|| unreachable!("a preset of `{}` is of one of its variables", unit.name));
         match &preset.value {
-            Value::Real(value) => instance.set_real(start, reference, &[*value]),
-            Value::Integer(value) => instance.set_integer(start, reference, &[*value]),
-            Value::Boolean(value) => instance.set_boolean(start, reference, &[i32::from(*value)]),
-            Value::String(text) => instance.set_string(start, reference, std::slice::from_ref(text)),
+            Value::Real(value) => instance.set_real(start, handle, &[*value]),
+            Value::Integer(value) => instance.set_integer(start, handle, &[*value]),
+            Value::Boolean(value) => instance.set_boolean(start, handle, &[i32::from(*value)]),
+            Value::String(text) => instance.set_string(start, handle, std::slice::from_ref(text)),
             Value::File(path) => {
                 let path = self.folder.join(path).to_string_lossy().into_owned();
-                instance.set_string(start, reference, &[path])
+                instance.set_string(start, handle, &[path])
             }
         }
     }

@@ -71,6 +71,13 @@ pub fn signal_name(signal: i32) -> Option<&'static str> {
 }
 
 impl Failure {
+    /// A variable of an instance has a value that is not finite.
+    #[must_use]
+    pub fn non_finite(instance: String, time_s: f64, variable: String, value: f64) -> Self {
+        let (doing, cause) = (Doing::Call(Call::GetReal), Cause::NonFinite { variable, value: value.to_string() });
+        Self { instance: Some(instance), doing, time_s: Some(time_s), cause }
+    }
+
     /// A failure that is not about a unit.
     #[must_use]
     pub fn between_calls(time_s: f64, text: String) -> Self {

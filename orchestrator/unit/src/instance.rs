@@ -9,6 +9,7 @@ mod strings;
 pub use lifecycle::Setting;
 
 use super::board::{Note, Now};
+use super::handles::Handles;
 use super::library::{DoStep, Functions, Get, Library, Set, StateFunctions};
 use super::logger::{LogMessage, LogSink, Registration};
 use crate::failure::{Cause, Doing, Failure};
@@ -96,16 +97,22 @@ impl Instance {
         self.component
     }
 
+    /// The handles of variables by their indices in the description; `None` if the unit has no such variable.
+    #[must_use]
+    pub fn handles(&self, variables: impl IntoIterator<Item = usize>) -> Option<Handles> {
+        self.rest.library.handles.handles(variables)
+    }
+
     /// Sets Real variables.
     ///
     /// # Errors
     /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     #[inline]
-    pub fn set_real(&mut self, now: &Now<'_>, references: &[u32], values: &[f64]) -> Result<(), Failure> {
+    pub fn set_real(&mut self, now: &Now<'_>, handles: &Handles, values: &[f64]) -> Result<(), Failure> {
         let set_real = self.set_real;
-        self.values(now, Call::SetReal, references.len(), values.len(), |_, component, count| {
+        self.values(now, Call::SetReal, handles.len(), values.len(), |_, component, count| {
             // SAFETY: both slices have `count` elements, and the unit only reads them.
-            unsafe { set_real(component, references.as_ptr(), count, values.as_ptr()) }
+            unsafe { set_real(component, handles.as_ptr(), count, values.as_ptr()) }
         })
     }
 
@@ -114,10 +121,10 @@ impl Instance {
     /// # Errors
     /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     #[inline]
-    pub fn set_integer(&mut self, now: &Now<'_>, references: &[u32], values: &[i32]) -> Result<(), Failure> {
-        self.values(now, Call::SetInteger, references.len(), values.len(), |functions, component, count| {
+    pub fn set_integer(&mut self, now: &Now<'_>, handles: &Handles, values: &[i32]) -> Result<(), Failure> {
+        self.values(now, Call::SetInteger, handles.len(), values.len(), |functions, component, count| {
             // SAFETY: both slices have `count` elements, and the unit only reads them.
-            unsafe { (functions.set_integer)(component, references.as_ptr(), count, values.as_ptr()) }
+            unsafe { (functions.set_integer)(component, handles.as_ptr(), count, values.as_ptr()) }
         })
     }
 
@@ -126,10 +133,10 @@ impl Instance {
     /// # Errors
     /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     #[inline]
-    pub fn set_boolean(&mut self, now: &Now<'_>, references: &[u32], values: &[Boolean]) -> Result<(), Failure> {
-        self.values(now, Call::SetBoolean, references.len(), values.len(), |functions, component, count| {
+    pub fn set_boolean(&mut self, now: &Now<'_>, handles: &Handles, values: &[Boolean]) -> Result<(), Failure> {
+        self.values(now, Call::SetBoolean, handles.len(), values.len(), |functions, component, count| {
             // SAFETY: both slices have `count` elements, and the unit only reads them.
-            unsafe { (functions.set_boolean)(component, references.as_ptr(), count, values.as_ptr()) }
+            unsafe { (functions.set_boolean)(component, handles.as_ptr(), count, values.as_ptr()) }
         })
     }
 
@@ -138,11 +145,11 @@ impl Instance {
     /// # Errors
     /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     #[inline]
-    pub fn get_real(&mut self, now: &Now<'_>, references: &[u32], values: &mut [f64]) -> Result<(), Failure> {
+    pub fn get_real(&mut self, now: &Now<'_>, handles: &Handles, values: &mut [f64]) -> Result<(), Failure> {
         let get_real = self.get_real;
-        self.values(now, Call::GetReal, references.len(), values.len(), |_, component, count| {
+        self.values(now, Call::GetReal, handles.len(), values.len(), |_, component, count| {
             // SAFETY: both slices have `count` elements; the unit reads the first and writes the second.
-            unsafe { get_real(component, references.as_ptr(), count, values.as_mut_ptr()) }
+            unsafe { get_real(component, handles.as_ptr(), count, values.as_mut_ptr()) }
         })
     }
 
@@ -151,10 +158,10 @@ impl Instance {
     /// # Errors
     /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     #[inline]
-    pub fn get_integer(&mut self, now: &Now<'_>, references: &[u32], values: &mut [i32]) -> Result<(), Failure> {
-        self.values(now, Call::GetInteger, references.len(), values.len(), |functions, component, count| {
+    pub fn get_integer(&mut self, now: &Now<'_>, handles: &Handles, values: &mut [i32]) -> Result<(), Failure> {
+        self.values(now, Call::GetInteger, handles.len(), values.len(), |functions, component, count| {
             // SAFETY: both slices have `count` elements; the unit reads the first and writes the second.
-            unsafe { (functions.get_integer)(component, references.as_ptr(), count, values.as_mut_ptr()) }
+            unsafe { (functions.get_integer)(component, handles.as_ptr(), count, values.as_mut_ptr()) }
         })
     }
 
@@ -163,10 +170,10 @@ impl Instance {
     /// # Errors
     /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     #[inline]
-    pub fn get_boolean(&mut self, now: &Now<'_>, references: &[u32], values: &mut [Boolean]) -> Result<(), Failure> {
-        self.values(now, Call::GetBoolean, references.len(), values.len(), |functions, component, count| {
+    pub fn get_boolean(&mut self, now: &Now<'_>, handles: &Handles, values: &mut [Boolean]) -> Result<(), Failure> {
+        self.values(now, Call::GetBoolean, handles.len(), values.len(), |functions, component, count| {
             // SAFETY: both slices have `count` elements; the unit reads the first and writes the second.
-            unsafe { (functions.get_boolean)(component, references.as_ptr(), count, values.as_mut_ptr()) }
+            unsafe { (functions.get_boolean)(component, handles.as_ptr(), count, values.as_mut_ptr()) }
         })?;
         for value in values {
             *value = Boolean::from(*value != FALSE);
@@ -178,13 +185,13 @@ impl Instance {
     ///
     /// # Errors
     /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
-    pub fn set_string(&mut self, now: &Now<'_>, references: &[u32], values: &[String]) -> Result<(), Failure> {
+    pub fn set_string(&mut self, now: &Now<'_>, handles: &Handles, values: &[String]) -> Result<(), Failure> {
         let mut strings = std::mem::take(&mut self.rest.strings);
         let texts = strings.for_unit(values);
-        let result = self.values(now, Call::SetString, references.len(), texts.len(), |functions, component, count| {
+        let result = self.values(now, Call::SetString, handles.len(), texts.len(), |functions, component, count| {
             // SAFETY: both slices have `count` elements, and the unit only reads them and the strings that they point
             // to.
-            unsafe { (functions.set_string)(component, references.as_ptr(), count, texts.as_ptr()) }
+            unsafe { (functions.set_string)(component, handles.as_ptr(), count, texts.as_ptr()) }
         });
         self.rest.strings = strings;
         result
@@ -194,12 +201,12 @@ impl Instance {
     ///
     /// # Errors
     /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
-    pub fn get_string(&mut self, now: &Now<'_>, references: &[u32], values: &mut [String]) -> Result<(), Failure> {
+    pub fn get_string(&mut self, now: &Now<'_>, handles: &Handles, values: &mut [String]) -> Result<(), Failure> {
         let mut strings = std::mem::take(&mut self.rest.strings);
         let texts = strings.of_unit(values.len());
-        let result = self.values(now, Call::GetString, references.len(), texts.len(), |functions, component, count| {
+        let result = self.values(now, Call::GetString, handles.len(), texts.len(), |functions, component, count| {
             // SAFETY: both slices have `count` elements; the unit reads the first and writes the second.
-            unsafe { (functions.get_string)(component, references.as_ptr(), count, texts.as_mut_ptr()) }
+            unsafe { (functions.get_string)(component, handles.as_ptr(), count, texts.as_mut_ptr()) }
         });
         if result.is_ok() {
             // SAFETY: by the standard the strings are valid until the next call of the unit, and end in a zero byte.

@@ -11,6 +11,7 @@ pub mod describe;
 pub mod error;
 pub mod exit;
 pub mod failure;
+pub mod handles;
 pub mod instance;
 pub mod library;
 pub mod logger;

@@ -10,6 +10,7 @@ pub(super) use states::StateFunctions;
 
 use super::board::Note;
 use super::error::{Refusal, UnitError};
+use super::handles::HandleTable;
 use super::variable_names::VariableNames;
 use crate::failure::Doing;
 use fmi2::c::Str;
@@ -36,6 +37,7 @@ pub struct Library {
     /// `canBeInstantiatedOnlyOncePerProcess`
     pub(super) only_once: bool,
     pub(super) names: Arc<VariableNames>,
+    pub(super) handles: HandleTable,
     /// The number of live instances.
     pub(super) instances: AtomicUsize,
     /// Set by `fmi2Fatal`: no function may be called any more.
@@ -87,6 +89,7 @@ impl Library {
                 .as_ref()
                 .is_some_and(|unit| unit.can_be_instantiated_only_once_per_process),
             names: Arc::new(VariableNames::of(description)),
+            handles: HandleTable(description.variables.iter().map(|variable| variable.value_reference).collect()),
             instances: AtomicUsize::new(0),
             fatal: AtomicBool::new(false),
         })

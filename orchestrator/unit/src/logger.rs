@@ -16,7 +16,7 @@ mod trampoline;
 pub(super) use environment::{Environment, Registration};
 pub(super) use trampoline::LOGGER;
 
-use fmi2::c::{ComponentEnvironment, RawStatus, Str};
+use fmi2::c::{ComponentEnvironment, RawStatus, Status, Str};
 use serde::{Deserialize, Serialize};
 use std::ffi::CStr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -38,6 +38,23 @@ pub struct LogMessage {
     pub category: String,
     /// The text.
     pub text: String,
+}
+
+impl LogMessage {
+    /// The status as it is shown to users.
+    #[must_use]
+    pub fn status_name(&self) -> String {
+        let name = match Status::from_raw(self.status) {
+            Some(Status::Ok) => "info",
+            Some(Status::Warning) => "warning",
+            Some(Status::Discard) => "discard",
+            Some(Status::Error) => "error",
+            Some(Status::Fatal) => "fatal",
+            Some(Status::Pending) => "pending",
+            None => return format!("status {}", self.status),
+        };
+        name.to_owned()
+    }
 }
 
 /// Receives log messages of units; any thread may call it.

@@ -11,6 +11,7 @@ use tests::foreign::Foreign;
 use unit::archive::{read_description, unpack};
 use unit::board::{Board, BoardLayout};
 use unit::failure::Doing;
+use unit::handles::Handles;
 use unit::instance::{Instance, Setting};
 use unit::library::Library;
 
@@ -40,8 +41,8 @@ fn child_process_that_a_unit_ends() {
     for tick in 0..20 {
         let now = at(tick);
         let mut level = [0.0];
-        tank.set_real(&now, &[0], &[1.0]).unwrap();
-        tank.get_real(&now, &[2], &mut level).unwrap();
+        tank.set_real(&now, &Handles::from([0]), &[1.0]).unwrap();
+        tank.get_real(&now, &Handles::from([2]), &mut level).unwrap();
         board.push_row(tick, &[f64::to_bits(level[0])]);
         tank.do_step(&now, 0.1).unwrap();
     }

@@ -8,6 +8,7 @@ use tests::foreign::Foreign;
 use unit::archive::{Unpacked, unpack};
 use unit::board::{Board, BoardLayout, Note, Now};
 use unit::failure::{Cause, Doing, Failure};
+use unit::handles::Handles;
 use unit::instance::{Instance, Setting, StepResult};
 use unit::library::Library;
 use unit::logger::LogMessage;
@@ -76,16 +77,16 @@ impl Bench {
 fn a_unit_in_c_runs_and_its_log_messages_arrive_with_their_printf_arguments() {
     let bench = Bench::new(&Foreign::default());
     let mut tank = bench.start().unwrap();
-    tank.set_real(&bench.at(0), &[U, GAIN], &[3.0, 4.0]).unwrap();
-    tank.set_string(&bench.at(0), &[0], &["grüß Gott".to_owned()]).unwrap();
-    tank.set_boolean(&bench.at(0), &[0], &[1]).unwrap();
+    tank.set_real(&bench.at(0), &Handles::from([U, GAIN]), &[3.0, 4.0]).unwrap();
+    tank.set_string(&bench.at(0), &Handles::from([0]), &["grüß Gott".to_owned()]).unwrap();
+    tank.set_boolean(&bench.at(0), &Handles::from([0]), &[1]).unwrap();
     assert_eq!(tank.do_step(&bench.at(0), STEP_S), Ok(StepResult::Done));
     assert_eq!(tank.do_step(&bench.at(1), STEP_S), Ok(StepResult::Done));
     let (mut reals, mut count, mut enabled, mut label) = ([0.0; 3], [0], [0], [String::new()]);
-    tank.get_real(&bench.at(2), &[Y, GAIN, U], &mut reals).unwrap();
-    tank.get_integer(&bench.at(2), &[0], &mut count).unwrap();
-    tank.get_boolean(&bench.at(2), &[0], &mut enabled).unwrap();
-    tank.get_string(&bench.at(2), &[0], &mut label).unwrap();
+    tank.get_real(&bench.at(2), &Handles::from([Y, GAIN, U]), &mut reals).unwrap();
+    tank.get_integer(&bench.at(2), &Handles::from([0]), &mut count).unwrap();
+    tank.get_boolean(&bench.at(2), &Handles::from([0]), &mut enabled).unwrap();
+    tank.get_string(&bench.at(2), &Handles::from([0]), &mut label).unwrap();
     assert_eq!((reals, count, enabled, label[0].as_str()), ([9.0, 4.0, 3.0], [2], [1], "grüß Gott"));
     tank.terminate(&bench.at(2)).unwrap();
     tank.free();
@@ -111,12 +112,12 @@ fn several_instances_of_one_library_do_not_disturb_each_other() {
         for (mut instance, input) in steps {
             let bench = &bench;
             scope.spawn(move || {
-                instance.set_real(&bench.at(0), &[U], &[input]).unwrap();
+                instance.set_real(&bench.at(0), &Handles::from([U]), &[input]).unwrap();
                 for tick in 0..100 {
                     instance.do_step(&bench.at(tick), STEP_S).unwrap();
                 }
                 let mut level = [0.0];
-                instance.get_real(&bench.at(100), &[Y], &mut level).unwrap();
+                instance.get_real(&bench.at(100), &Handles::from([Y]), &mut level).unwrap();
                 assert!((level[0] - 2.0 * input).abs() < 1e-12);
             });
         }
@@ -190,7 +191,7 @@ fn a_warning_is_logged_once_and_the_run_continues() {
     let bench = Bench::misbehaving("SET", "WARNING");
     let mut tank = bench.start().unwrap();
     for tick in 0..3 {
-        tank.set_real(&bench.at(tick), &[U], &[1.0]).unwrap();
+        tank.set_real(&bench.at(tick), &Handles::from([U]), &[1.0]).unwrap();
     }
     let is_warning = |text: &String| text.starts_with("fmi2SetReal returned fmi2Warning");
     assert_eq!(bench.texts().iter().filter(|text| is_warning(text)).count(), 1);
@@ -220,7 +221,7 @@ fn a_nan_is_returned_to_the_caller_without_an_error() {
     let mut tank = bench.start().unwrap();
     tank.do_step(&bench.at(0), STEP_S).unwrap();
     let mut level = [0.0];
-    tank.get_real(&bench.at(1), &[Y], &mut level).unwrap();
+    tank.get_real(&bench.at(1), &Handles::from([Y]), &mut level).unwrap();
     assert!(level[0].is_nan());
 }
 

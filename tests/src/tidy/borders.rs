@@ -95,6 +95,25 @@ pub(super) fn rooms(path: &Path, text: &str) -> Vec<String> {
     findings
 }
 
+/// Value references and the calls of FMI 2.0 are known to the importer and the exporter only: units of another standard
+/// have others. Tests may name a call to make a failure of it.
+pub(super) fn calls(path: &Path, text: &str) -> Vec<String> {
+    let places = ["dsl/src", "orchestrator/src", "orchestrator/results/src"];
+    let is_test = path.ends_with("example.rs") || path.iter().any(|part| part == "tests" || part == "tests.rs");
+    if is_test || !places.iter().any(|place| path.starts_with(place)) {
+        return Vec::new();
+    }
+    let product = text.lines().enumerate().take_while(|(_, line)| !line.starts_with("#[cfg(test)]"));
+    let knows = |line: &str| {
+        let code = code(line);
+        has_word(&code, "value_reference") || code.contains("fmi2::c::") || code.contains("fmi2::calls")
+    };
+    let found = product.filter(|(_, line)| knows(line));
+    found
+        .map(|(i, _)| format!("{}: FMI calls and value references belong to orchestrator/unit", place(path, i)))
+        .collect()
+}
+
 /// Results know of a unit only why it failed and how time is counted.
 pub(super) fn results(path: &Path, text: &str) -> Vec<String> {
     if !path.starts_with("orchestrator/results") {

@@ -20,6 +20,7 @@ pub fn findings(root: &Path) -> std::io::Result<Vec<String>> {
         findings.extend(borders::bus(&path, &text));
         findings.extend(borders::rooms(&path, &text));
         findings.extend(borders::results(&path, &text));
+        findings.extend(borders::calls(&path, &text));
     }
     findings.extend(borders::dependencies(root)?);
     findings.extend(length::of_crates(root)?);
@@ -146,6 +147,17 @@ mod tests {
             after("orchestrator/src/run/x.rs", "//! Something that steps.\nuse crate::flatten::wiring;\n"),
             Vec::<String>::new()
         );
+    }
+
+    #[test]
+    fn calls_and_value_references_outside_of_the_importer_are_found() {
+        let expected = |line| {
+            format!("orchestrator/src/run/x.rs:{line}: FMI calls and value references belong to orchestrator/unit")
+        };
+        let text = "//! Something that steps.\nuse fmi2::calls::Call;\nlet x = v.value_reference;\n";
+        assert_eq!(after("orchestrator/src/run/x.rs", text), [expected(2), expected(3)]);
+        let text = "//! Something that steps.\n#[cfg(test)]\nmod tests {\n    use fmi2::calls::Call;\n}\n";
+        assert_eq!(after("orchestrator/src/run/x.rs", text), Vec::<String>::new());
     }
 
     #[test]

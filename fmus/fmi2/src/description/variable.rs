@@ -1,5 +1,6 @@
 //! `ScalarVariable`: one port in the terms of the standard.
 
+use crate::calls::{Permission, State, settable};
 use serde::{Deserialize, Serialize};
 
 use super::{Causality, Initial, Position, RealAttributes, Variability, default_initial};
@@ -105,6 +106,13 @@ impl Variable {
             Kind::Boolean { .. } => BaseType::Boolean,
             Kind::String { .. } => BaseType::String,
         }
+    }
+
+    /// Whether an importer may set the variable before initialization.
+    #[must_use]
+    pub fn has_settable_start(&self) -> bool {
+        let initial = self.initial_or_default();
+        settable(State::Instantiated, self.causality, self.variability, initial) == Permission::Always
     }
 
     /// Whether there is a start value.

@@ -70,16 +70,16 @@ impl<'a> Blocks<'a> {
             return Err(Malformed::Reserved(reserved));
         }
         for range in [&ports.reals, &ports.integers, &ports.booleans, &ports.texts] {
-            if self.word()? as usize != range.references.len() {
+            if self.word()? as usize != range.variables.len() {
                 return Err(Malformed::Counts(instance));
             }
         }
         let reals = &mut values.reals[ports.reals.range()];
-        for (value, chunk) in reals.iter_mut().zip(self.slice(8 * ports.reals.references.len())?.as_chunks().0) {
+        for (value, chunk) in reals.iter_mut().zip(self.slice(8 * ports.reals.variables.len())?.as_chunks().0) {
             *value = f64::from_bits(u64::from_le_bytes(*chunk));
         }
         let integers = &mut values.integers[ports.integers.range()];
-        for (value, chunk) in integers.iter_mut().zip(self.slice(4 * ports.integers.references.len())?.as_chunks().0) {
+        for (value, chunk) in integers.iter_mut().zip(self.slice(4 * ports.integers.variables.len())?.as_chunks().0) {
             *value = i32::from_le_bytes(*chunk);
         }
         for value in &mut values.booleans[ports.booleans.range()] {

@@ -1,12 +1,12 @@
 //! The extras of messages: handshake, request of instances, initial values, log messages and failures.
 
-use crate::flatten::values::{Slot, Values};
+use crate::flatten::values::{Slot, ValueType, Values};
 use crate::flatten::wiring::VariableSlot;
 use crate::run::message::Message;
 use crate::run::run_spec::path_bytes;
 use crate::run::worker::{Lost, Terminated};
 use dsl::scenario::Preset;
-use fmi2::description::{BaseType, ModelDescription};
+use fmi2::description::ModelDescription;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::path::PathBuf;
@@ -127,7 +127,7 @@ impl OpenRequest {
                 hash.update(format!("{}\0{}\0{direction}\0{}\0", instance.name, unit.sha256, variables.len()));
                 for &index in variables {
                     let variable = description.variables.get(index)?;
-                    hash.update(format!("{}\0{:?}\0", variable.name, variable.base_type()));
+                    hash.update(format!("{}\0{:?}\0", variable.name, ValueType::of(variable)));
                 }
             }
         }
@@ -151,8 +151,8 @@ pub enum Initial {
 pub struct SelectedValues {
     /// The instance.
     pub instance: usize,
-    /// Type and value reference of each variable.
-    pub variables: Vec<(BaseType, u32)>,
+    /// Type of each variable, and its index in the unit's description.
+    pub variables: Vec<(ValueType, usize)>,
     /// The values.
     pub values: Values,
 }
@@ -166,7 +166,7 @@ impl SelectedValues {
             let slot = values.add(variable.slot.base);
             values.copy_slot(slot, all, variable.slot);
         }
-        let variables = slots.iter().map(|variable| (variable.slot.base, variable.reference)).collect();
+        let variables = slots.iter().map(|variable| (variable.slot.base, variable.variable)).collect();
         Self { instance, variables, values }
     }
 
@@ -174,7 +174,7 @@ impl SelectedValues {
     #[must_use]
     pub fn slots(&self) -> Option<Vec<VariableSlot>> {
         let mut counted = Values::default();
-        let slots = self.variables.iter().map(|&(base, reference)| VariableSlot { slot: counted.add(base), reference });
+        let slots = self.variables.iter().map(|&(base, variable)| VariableSlot { slot: counted.add(base), variable });
         let slots = slots.collect();
         (counted.end() == self.values.end()).then_some(slots)
     }
@@ -273,13 +273,13 @@ mod tests {
             booleans: vec![1],
             texts: vec!["a".to_owned(), "b".to_owned()],
         };
-        let variable = |base, index, reference| VariableSlot { slot: Slot { base, index }, reference };
-        let slots = [variable(BaseType::Real, 2, 8), variable(BaseType::String, 1, 9), variable(BaseType::Real, 1, 7)];
+        let variable = |base, index, variable| VariableSlot { slot: Slot { base, index }, variable };
+        let slots = [variable(ValueType::Real, 2, 8), variable(ValueType::Text, 1, 9), variable(ValueType::Real, 1, 7)];
         let selected = SelectedValues::select(4, &slots, &all);
         assert_eq!((selected.values.reals[0], selected.values.texts.as_slice()), (2.0, ["b".to_owned()].as_slice()));
         let local = selected.slots().unwrap();
         assert_eq!(
-            local.iter().map(|variable| (variable.slot.index, variable.reference)).collect::<Vec<_>>(),
+            local.iter().map(|variable| (variable.slot.index, variable.variable)).collect::<Vec<_>>(),
             [(0, 8), (0, 9), (1, 7)]
         );
         let mut back = Values { reals: vec![9.0; 3], texts: vec![String::new(); 2], ..all.clone() };

@@ -6,8 +6,7 @@ use proptest::prelude::*;
 
 /// The ports of an instance with so many variables of each type, whose values begin at index 1.
 fn ports(counts: [usize; 4]) -> Ports {
-    let [reals, integers, booleans, texts] =
-        counts.map(|count| VariableRange { start: 1, references: vec![0; count], variables: vec![0; count] });
+    let [reals, integers, booleans, texts] = counts.map(|count| VariableRange { start: 1, variables: vec![0; count] });
     Ports { reals, integers, booleans, texts }
 }
 

@@ -278,11 +278,12 @@ impl HeldInstances {
                 None
             }
             Initial::Set(selected) => {
-                let set = inner.set_initial(selected.instance, &selected.slots()?, &selected.values);
+                let slots = selected.slots().filter(|slots| inner.has_variables(selected.instance, slots))?;
+                let set = inner.set_initial(selected.instance, &slots, &selected.values);
                 Some(set.map(|()| Answer::default()))
             }
             Initial::Get(selected) => {
-                let slots = selected.slots()?;
+                let slots = selected.slots().filter(|slots| inner.has_variables(selected.instance, slots))?;
                 let SelectedValues { instance, mut values, .. } = selected;
                 let got = inner.get_initial(instance, &slots, &mut values);
                 Some(got.map(|()| Answer::with(ReplyExtras { values, ..ReplyExtras::default() })))

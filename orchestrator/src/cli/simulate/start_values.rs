@@ -1,8 +1,7 @@
 //! Start values as users of other tools give them: a variable's name and a bare value in its own unit.
 
 use dsl::scenario::{Preset, Value};
-use fmi2::calls::{Permission, State, settable};
-use fmi2::description::{Kind, ModelDescription, Variable};
+use fmi2::description::{Kind, ModelDescription};
 
 /// The preset that a setting such as `mass = 1.6` means; `None` leaves it to the language of scripts, which knows units
 /// of measure, groups and what is wrong with the rest.
@@ -10,7 +9,7 @@ pub(super) fn bare(setting: &str, description: &ModelDescription) -> Option<Pres
     let (name, value) = setting.split_once('=')?;
     let index = description.variable(name.trim())?;
     let variable = &description.variables[index];
-    let value = parsed(value.trim(), &variable.kind).filter(|_| may_be_set(variable))?;
+    let value = parsed(value.trim(), &variable.kind).filter(|_| variable.has_settable_start())?;
     Some(Preset { variable: index, value })
 }
 
@@ -25,12 +24,6 @@ fn parsed(text: &str, kind: &Kind) -> Option<Value> {
         },
         Kind::String { .. } => None,
     }
-}
-
-/// Whether the standard lets the variable be set before initialization.
-fn may_be_set(variable: &Variable) -> bool {
-    let initial = variable.initial_or_default();
-    settable(State::Instantiated, variable.causality, variable.variability, initial) == Permission::Always
 }
 
 #[cfg(test)]

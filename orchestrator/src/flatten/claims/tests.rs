@@ -3,9 +3,8 @@
 use super::judged::{Decision, Join, Joined, Judged};
 use super::{Claims, Completeness};
 use crate::flatten::expression::Moment;
-use crate::flatten::values::{Slot, Values};
+use crate::flatten::values::{Slot, ValueType, Values};
 use dsl::scenario::{BooleanExpression, Claim, Formula, Margin, Port, RealExpression, TickWindow};
-use fmi2::description::BaseType;
 use proptest::prelude::*;
 use results::verdict::{Standing, Verdict};
 
@@ -52,7 +51,7 @@ fn horizon(formula: &Formula) -> u64 {
 fn claims_of(formula: &Formula, stop_tick: u64) -> Claims {
     let claim =
         Claim { name: String::new(), text: String::new(), line: 1, formula: formula.clone(), unit: None, limit: None };
-    Claims::new(&[claim], stop_tick, &mut |port| Slot { base: BaseType::Real, index: port.variable })
+    Claims::new(&[claim], stop_tick, &mut |port| Slot { base: ValueType::Real, index: port.variable })
 }
 
 fn take(claims: &mut Claims, first_tick: u64, samples: &[[f64; 2]]) {

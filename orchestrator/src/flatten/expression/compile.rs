@@ -1,9 +1,8 @@
 //! Compiles expressions to programs.
 
 use super::{Binary, Operation, Program, Text, Unary};
-use crate::flatten::values::Slot;
+use crate::flatten::values::{Slot, ValueType};
 use dsl::scenario::{BooleanExpression, Curve, Function, Margin, Operand, Port, RealExpression, Value};
-use fmi2::description::BaseType;
 
 /// Returns the slot of a port; called for every signal of an expression.
 pub type SlotOf<'a> = dyn FnMut(Port) -> Slot + 'a;
@@ -65,10 +64,10 @@ impl Compiler<'_, '_> {
         let slot = (self.slot_of)(port);
         let index = index(slot);
         self.push(match slot.base {
-            BaseType::Real => Operation::Real(index),
-            BaseType::Integer => Operation::Integer(index),
-            BaseType::Boolean => Operation::Boolean(index),
-            BaseType::String => unreachable!("a text was resolved where a number is needed"),
+            ValueType::Real => Operation::Real(index),
+            ValueType::Integer => Operation::Integer(index),
+            ValueType::Boolean => Operation::Boolean(index),
+            ValueType::Text => unreachable!("a text was resolved where a number is needed"),
         });
     }
 
@@ -161,7 +160,7 @@ impl Compiler<'_, '_> {
             Operand::Constant(_) => None,
             Operand::Signal(port) => {
                 let slot = (self.slot_of)(*port);
-                (slot.base == BaseType::String).then(|| Text::Slot(index(slot)))
+                (slot.base == ValueType::Text).then(|| Text::Slot(index(slot)))
             }
         }
     }

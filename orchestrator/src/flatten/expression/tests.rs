@@ -1,14 +1,13 @@
 //! Tests of compiled expressions.
 
 use super::{Moment, Program};
-use crate::flatten::values::{Slot, Values};
+use crate::flatten::values::{Slot, ValueType, Values};
 use dsl::scenario::{BooleanExpression as B, Function, Margin, Operand, Port, RealExpression as E, Value};
-use fmi2::description::BaseType;
 use proptest::prelude::*;
 
 /// Variables of instance 0 are Reals 0, 1, …; of instance 1 Integers, of 2 Booleans, of 3 texts.
 fn slot_of(port: Port) -> Slot {
-    let base = [BaseType::Real, BaseType::Integer, BaseType::Boolean, BaseType::String][port.instance];
+    let base = [ValueType::Real, ValueType::Integer, ValueType::Boolean, ValueType::Text][port.instance];
     Slot { base, index: port.variable }
 }
 

@@ -4,9 +4,8 @@ use super::feed::Computed;
 use super::groups::Group;
 use super::slot_table::SlotTable;
 use crate::flatten::expression::Moment;
-use crate::flatten::values::{Slot, Values};
+use crate::flatten::values::{Slot, ValueType, Values};
 use dsl::scenario::{Port, Scenario, Trigger, Value};
-use fmi2::description::BaseType;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// An input or tunable parameter that the script sets at some time.
@@ -109,9 +108,9 @@ pub(super) fn plan(
 
 fn value_at(values: &Values, slot: Slot) -> Value {
     match slot.base {
-        BaseType::Real => Value::Real(values.reals[slot.index]),
-        BaseType::Integer => Value::Integer(values.integers[slot.index]),
-        BaseType::Boolean => Value::Boolean(values.booleans[slot.index] != 0),
-        BaseType::String => Value::String(values.texts[slot.index].clone()),
+        ValueType::Real => Value::Real(values.reals[slot.index]),
+        ValueType::Integer => Value::Integer(values.integers[slot.index]),
+        ValueType::Boolean => Value::Boolean(values.booleans[slot.index] != 0),
+        ValueType::Text => Value::String(values.texts[slot.index].clone()),
     }
 }

@@ -2,9 +2,8 @@
 
 use super::slot_table::SlotTable;
 use crate::flatten::expression::{Moment, Program};
-use crate::flatten::values::{Slot, Values};
+use crate::flatten::values::{Slot, ValueType, Values};
 use dsl::scenario::{Connection, Drive};
-use fmi2::description::BaseType;
 
 /// All connections of one kind into one group.
 #[derive(Debug, Default)]
@@ -68,10 +67,10 @@ impl Feed {
     fn copy(&mut self, from: Slot, to: Slot) {
         assert_eq!(from.base, to.base, "a copy was resolved between different types");
         let ranges = match to.base {
-            BaseType::Real => &mut self.reals,
-            BaseType::Integer => &mut self.others().integers,
-            BaseType::Boolean => &mut self.others().booleans,
-            BaseType::String => &mut self.others().texts,
+            ValueType::Real => &mut self.reals,
+            ValueType::Integer => &mut self.others().integers,
+            ValueType::Boolean => &mut self.others().booleans,
+            ValueType::Text => &mut self.others().texts,
         };
         match ranges
             .last_mut()
@@ -133,25 +132,25 @@ impl Computed {
     pub(super) fn new(drive: &Drive, to: Slot, table: &SlotTable) -> Self {
         let mut slot_of = |port| table.read(port);
         let value = match (drive, to.base) {
-            (Drive::Copy(port), BaseType::Real) => ComputedValue::Real(Program::compile_signal(*port, &mut slot_of)),
-            (Drive::Copy(port), BaseType::Integer) => {
+            (Drive::Copy(port), ValueType::Real) => ComputedValue::Real(Program::compile_signal(*port, &mut slot_of)),
+            (Drive::Copy(port), ValueType::Integer) => {
                 ComputedValue::Integer(Program::compile_signal(*port, &mut slot_of))
             }
-            (Drive::Copy(port), BaseType::Boolean) => {
+            (Drive::Copy(port), ValueType::Boolean) => {
                 ComputedValue::Boolean(Program::compile_signal(*port, &mut slot_of))
             }
-            (Drive::Copy(port), BaseType::String) => ComputedValue::Text(table.read(*port).index),
-            (Drive::Real(expression), BaseType::Real) => {
+            (Drive::Copy(port), ValueType::Text) => ComputedValue::Text(table.read(*port).index),
+            (Drive::Real(expression), ValueType::Real) => {
                 ComputedValue::Real(Program::compile_real(expression, &mut slot_of))
             }
-            (Drive::Boolean(condition), BaseType::Boolean) => {
+            (Drive::Boolean(condition), ValueType::Boolean) => {
                 ComputedValue::Boolean(Program::compile_condition(condition, &mut slot_of))
             }
-            (Drive::Integer(value), BaseType::Integer) => ComputedValue::ConstantInteger(*value),
-            (Drive::String(text), BaseType::String) => ComputedValue::ConstantText(text.clone()),
-            (Drive::Curve(curve), BaseType::Real) => ComputedValue::Real(Program::curve(curve)),
-            (Drive::Curve(curve), BaseType::Integer) => ComputedValue::Integer(Program::curve(curve)),
-            (Drive::Curve(curve), BaseType::Boolean) => ComputedValue::Boolean(Program::curve(curve)),
+            (Drive::Integer(value), ValueType::Integer) => ComputedValue::ConstantInteger(*value),
+            (Drive::String(text), ValueType::Text) => ComputedValue::ConstantText(text.clone()),
+            (Drive::Curve(curve), ValueType::Real) => ComputedValue::Real(Program::curve(curve)),
+            (Drive::Curve(curve), ValueType::Integer) => ComputedValue::Integer(Program::curve(curve)),
+            (Drive::Curve(curve), ValueType::Boolean) => ComputedValue::Boolean(Program::curve(curve)),
             (drive, base) => unreachable!("{drive:?} was resolved for a variable of type {base:?}"),
         };
         Self { to: to.index, value }

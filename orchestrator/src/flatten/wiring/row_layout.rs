@@ -1,9 +1,8 @@
 //! Where the values of a row of the trace come from: for each column the slot of its value.
 
 use super::slot_table::SlotTable;
-use crate::flatten::values::{Slot, Values};
+use crate::flatten::values::{Slot, ValueType, Values};
 use dsl::scenario::Column;
-use fmi2::description::BaseType;
 
 /// The columns, separated into those of outputs and those of inputs.
 #[derive(Debug, Default)]
@@ -49,10 +48,10 @@ impl RowLayout {
 impl Columns {
     fn add(&mut self, slot: Slot, column: usize) {
         let columns = match slot.base {
-            BaseType::Real => &mut self.reals,
-            BaseType::Integer => &mut self.integers,
-            BaseType::Boolean => &mut self.booleans,
-            BaseType::String => unreachable!("the resolver admits no column of strings"),
+            ValueType::Real => &mut self.reals,
+            ValueType::Integer => &mut self.integers,
+            ValueType::Boolean => &mut self.booleans,
+            ValueType::Text => unreachable!("the resolver admits no column of strings"),
         };
         columns.push((slot.index, column));
     }

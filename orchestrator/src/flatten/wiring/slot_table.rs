@@ -1,9 +1,9 @@
 //! The slot of each value: ordered by group, instance and variable, inputs and outputs in separate arrays.
 
 use super::groups::Group;
-use crate::flatten::values::{Ranges, Slot, Values};
+use crate::flatten::values::{Ranges, Slot, ValueType, Values};
 use dsl::scenario::{InitialStep, Port, Scenario};
-use fmi2::description::{BaseType, Causality, ModelDescription};
+use fmi2::description::{Causality, ModelDescription};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The ports of an instance that its worker sets and reads.
@@ -35,8 +35,6 @@ pub struct Ports {
 pub struct VariableRange {
     /// Index of the first value.
     pub start: usize,
-    /// The value references.
-    pub references: Vec<u32>,
     /// The variables, as indices into the unit's description.
     pub variables: Vec<usize>,
 }
@@ -46,8 +44,8 @@ pub struct VariableRange {
 pub struct VariableSlot {
     /// The slot.
     pub slot: Slot,
-    /// The value reference.
-    pub reference: u32,
+    /// The variable, as an index into the unit's description.
+    pub variable: usize,
 }
 
 impl VariableRange {
@@ -55,7 +53,7 @@ impl VariableRange {
     #[inline]
     #[must_use]
     pub fn range(&self) -> std::ops::Range<usize> {
-        self.start..self.start + self.references.len()
+        self.start..self.start + self.variables.len()
     }
 }
 
@@ -125,15 +123,15 @@ impl SlotTable {
         };
         for port in inputs {
             let slot = add_slot(port, &mut self.input_values, descriptions);
-            ports.inputs.add(slot, port.variable);
+            ports.inputs.add(slot);
             self.inputs.insert(port, slot);
         }
         for port in finite.iter().chain(others) {
             let slot = add_slot(*port, &mut self.output_values, descriptions);
-            ports.outputs.add(slot, port.variable);
+            ports.outputs.add(slot);
             self.outputs.insert(*port, slot);
         }
-        ports.finite = finite.iter().filter(|&port| self.outputs[port].slot.base == BaseType::Real).count();
+        ports.finite = finite.iter().filter(|&port| self.outputs[port].slot.base == ValueType::Real).count();
         ports
     }
 
@@ -190,8 +188,8 @@ impl Ports {
         let mut ports = Self::starting_at(&values.end());
         for &index in variables {
             let variable = description.variables.get(index)?;
-            let slot = values.add(variable.base_type());
-            ports.add(VariableSlot { slot, reference: variable.value_reference }, index);
+            let slot = values.add(ValueType::of(variable));
+            ports.add(VariableSlot { slot, variable: index });
         }
         Some(ports)
     }
@@ -210,7 +208,7 @@ impl Ports {
     /// Whether there is one value for each of these ports.
     #[must_use]
     pub fn fit(&self, values: &Values) -> bool {
-        let counts = [&self.reals, &self.integers, &self.booleans, &self.texts].map(|range| range.references.len());
+        let counts = [&self.reals, &self.integers, &self.booleans, &self.texts].map(|range| range.variables.len());
         counts == [values.reals.len(), values.integers.len(), values.booleans.len(), values.texts.len()]
     }
 
@@ -235,15 +233,14 @@ impl Ports {
         }
     }
 
-    fn add(&mut self, slot: VariableSlot, variable: usize) {
+    fn add(&mut self, slot: VariableSlot) {
         let range = match slot.slot.base {
-            BaseType::Real => &mut self.reals,
-            BaseType::Integer => &mut self.integers,
-            BaseType::Boolean => &mut self.booleans,
-            BaseType::String => &mut self.texts,
+            ValueType::Real => &mut self.reals,
+            ValueType::Integer => &mut self.integers,
+            ValueType::Boolean => &mut self.booleans,
+            ValueType::Text => &mut self.texts,
         };
-        range.references.push(slot.reference);
-        range.variables.push(variable);
+        range.variables.push(slot.variable);
     }
 }
 
@@ -285,5 +282,5 @@ fn ports_of(instance: usize, ports: &BTreeSet<Port>) -> impl Iterator<Item = Por
 
 fn add_slot(port: Port, values: &mut Values, descriptions: &[&ModelDescription]) -> VariableSlot {
     let variable = &descriptions[port.instance].variables[port.variable];
-    VariableSlot { slot: values.add(variable.base_type()), reference: variable.value_reference }
+    VariableSlot { slot: values.add(ValueType::of(variable)), variable: port.variable }
 }

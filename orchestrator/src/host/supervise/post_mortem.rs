@@ -1,7 +1,6 @@
 //! The text of units' log messages, and the failure of a stepping process that died.
 
 use dsl::scenario::Scenario;
-use fmi2::c::Status;
 use results::shortest_decimal;
 use std::os::unix::process::ExitStatusExt;
 use std::process::ExitStatus;
@@ -15,15 +14,7 @@ pub(super) fn log_line(message: &LogMessage, scenario: &Scenario) -> String {
     let time = shortest_decimal(seconds(message.tick, scenario.step_ns));
     let instance = message.instance.and_then(|instance| scenario.instances.get(instance));
     let name = instance.map_or("-", |instance| instance.name.as_str());
-    let status = match Status::from_raw(message.status) {
-        Some(Status::Ok) => "info".to_owned(),
-        Some(Status::Warning) => "warning".to_owned(),
-        Some(Status::Discard) => "discard".to_owned(),
-        Some(Status::Error) => "error".to_owned(),
-        Some(Status::Fatal) => "fatal".to_owned(),
-        Some(Status::Pending) => "pending".to_owned(),
-        None => format!("status {}", message.status),
-    };
+    let status = message.status_name();
     format!("{time} s  {name}  {status}  {}", harmless(message.text.trim_end()))
 }
 

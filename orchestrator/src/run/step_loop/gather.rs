@@ -5,9 +5,8 @@ use crate::flatten::values::Values;
 use crate::flatten::wiring::Group;
 use crate::run::message::{Finish, Reason};
 use crate::run::worker::{Lost, Reply, Terminated, Ticket, Worker};
-use fmi2::calls::Call;
 use std::ops::Range;
-use unit::failure::{Cause, Doing, Failure};
+use unit::failure::Failure;
 
 /// A unit that reached the end of its step may report that time with its own rounding.
 const HALF_A_NANOSECOND_S: f64 = 0.5e-9;
@@ -177,12 +176,8 @@ impl<W: Observer> StepLoop<'_, W> {
         let values = &reals[ports.outputs.reals.range()][..ports.finite];
         let position = values.iter().position(|value| !value.is_finite())?;
         let unit = &self.wiring.names[instance];
-        Some(Failure {
-            instance: Some(unit.instance.clone()),
-            doing: Doing::Call(Call::GetReal),
-            time_s: Some(self.wiring.seconds(tick)),
-            cause: Cause::NonFinite { variable: unit.reals[position].clone(), value: values[position].to_string() },
-        })
+        let (name, variable) = (unit.instance.clone(), unit.reals[position].clone());
+        Some(Failure::non_finite(name, self.wiring.seconds(tick), variable, values[position]))
     }
 }
 

@@ -1,12 +1,12 @@
 //! The worker that holds its instances in this process: an order is a few calls through function pointers.
 
 use super::{Lost, Order, Reply, Shutdown, Terminated, Ticket, Worker};
-use crate::flatten::values::Values;
+use crate::flatten::values::{ValueType, Values};
 use crate::flatten::wiring::{Group, InstancePorts, Ports, VariableRange, VariableSlot};
-use fmi2::description::BaseType;
 use std::ops::Range;
 use unit::board::{Note, Now};
 use unit::failure::Failure;
+use unit::handles::Handles;
 use unit::instance::{Instance, StepResult};
 use unit::time::seconds;
 
@@ -58,7 +58,7 @@ struct Others {
 /// Variables whose values are contiguous; without any, no call is made.
 #[derive(Debug)]
 struct Call {
-    references: Box<[u32]>,
+    handles: Handles,
     start: usize,
 }
 
@@ -92,7 +92,7 @@ impl InProcess {
             for &index in &group.instances {
                 if let Some(instance) = waiting[index].take() {
                     let InstancePorts { inputs, outputs, .. } = &ports[index];
-                    let (inputs, outputs) = (Calls::new(inputs), Calls::new(outputs));
+                    let (inputs, outputs) = (Calls::new(&instance, inputs), Calls::new(&instance, outputs));
                     held.push(HeldInstance { instance, inputs, outputs, index, failed: false });
                 }
             }
@@ -205,10 +205,10 @@ impl Worker for InProcess {
 }
 
 impl Calls {
-    fn new(ports: &Ports) -> Self {
-        let call = |range: &VariableRange| Call { references: range.references.clone().into(), start: range.start };
+    fn new(instance: &Instance, ports: &Ports) -> Self {
+        let call = |range: &VariableRange| Call { handles: handles(instance, &range.variables), start: range.start };
         let others = [&ports.integers, &ports.booleans, &ports.texts];
-        let others = others.iter().any(|range| !range.references.is_empty()).then(|| {
+        let others = others.iter().any(|range| !range.variables.is_empty()).then(|| {
             let [integers, booleans, texts] = others.map(call);
             Box::new(Others { integers, booleans, texts })
         });
@@ -216,10 +216,25 @@ impl Calls {
     }
 }
 
+impl InProcess {
+    /// Whether an instance has all of these variables: a request from another process may name others.
+    #[must_use]
+    pub fn has_variables(&self, instance: usize, slots: &[VariableSlot]) -> bool {
+        let held = self.held.iter().find(|held| held.index == instance);
+        held.is_some_and(|held| held.instance.handles(slots.iter().map(|slot| slot.variable)).is_some())
+    }
+}
+
+/// The handles of variables that the plan took from the unit's description.
+fn handles(instance: &Instance, variables: &[usize]) -> Handles {
+    let handles = instance.handles(variables.iter().copied());
+    handles.unwrap_or_else(|| unreachable!("`{}` has no such variables: {variables:?}", instance.name()))
+}
+
 impl Call {
     #[inline]
     fn range(&self) -> Range<usize> {
-        self.start..self.start + self.references.len()
+        self.start..self.start + self.handles.len()
     }
 }
 
@@ -233,8 +248,8 @@ impl HeldInstance {
     #[inline]
     fn set(&mut self, now: &Now<'_>, inputs: &Values) -> Result<(), Failure> {
         let Calls { reals, others } = &self.inputs;
-        if !reals.references.is_empty() {
-            self.instance.set_real(now, &reals.references, &inputs.reals[reals.range()])?;
+        if !reals.handles.is_empty() {
+            self.instance.set_real(now, &reals.handles, &inputs.reals[reals.range()])?;
         }
         if others.is_some() { self.set_others(now, inputs) } else { Ok(()) }
     }
@@ -242,8 +257,8 @@ impl HeldInstance {
     #[inline]
     fn get(&mut self, now: &Now<'_>, outputs: &mut Values) -> Result<(), Failure> {
         let Calls { reals, others } = &self.outputs;
-        if !reals.references.is_empty() {
-            self.instance.get_real(now, &reals.references, &mut outputs.reals[reals.range()])?;
+        if !reals.handles.is_empty() {
+            self.instance.get_real(now, &reals.handles, &mut outputs.reals[reals.range()])?;
         }
         if others.is_some() { self.get_others(now, outputs) } else { Ok(()) }
     }
@@ -251,47 +266,51 @@ impl HeldInstance {
     #[inline(never)]
     fn set_others(&mut self, now: &Now<'_>, inputs: &Values) -> Result<(), Failure> {
         let Some(Others { integers, booleans, texts }) = self.inputs.others.as_deref() else { return Ok(()) };
-        self.instance.set_integer(now, &integers.references, &inputs.integers[integers.range()])?;
-        self.instance.set_boolean(now, &booleans.references, &inputs.booleans[booleans.range()])?;
-        self.instance.set_string(now, &texts.references, &inputs.texts[texts.range()])
+        self.instance.set_integer(now, &integers.handles, &inputs.integers[integers.range()])?;
+        self.instance.set_boolean(now, &booleans.handles, &inputs.booleans[booleans.range()])?;
+        self.instance.set_string(now, &texts.handles, &inputs.texts[texts.range()])
     }
 
     #[inline(never)]
     fn get_others(&mut self, now: &Now<'_>, outputs: &mut Values) -> Result<(), Failure> {
         let Some(Others { integers, booleans, texts }) = self.outputs.others.as_deref() else { return Ok(()) };
-        self.instance.get_integer(now, &integers.references, &mut outputs.integers[integers.range()])?;
-        self.instance.get_boolean(now, &booleans.references, &mut outputs.booleans[booleans.range()])?;
-        self.instance.get_string(now, &texts.references, &mut outputs.texts[texts.range()])
+        self.instance.get_integer(now, &integers.handles, &mut outputs.integers[integers.range()])?;
+        self.instance.get_boolean(now, &booleans.handles, &mut outputs.booleans[booleans.range()])?;
+        self.instance.get_string(now, &texts.handles, &mut outputs.texts[texts.range()])
     }
 
     fn set_slots(&mut self, now: &Now<'_>, slots: &[VariableSlot], inputs: &Values) -> Result<(), Failure> {
         let [reals, integers, booleans, texts] = by_type(slots);
-        self.instance.set_real(now, &reals.references, &reals.out_of(&inputs.reals))?;
-        self.instance.set_integer(now, &integers.references, &integers.out_of(&inputs.integers))?;
-        self.instance.set_boolean(now, &booleans.references, &booleans.out_of(&inputs.booleans))?;
-        self.instance.set_string(now, &texts.references, &texts.out_of(&inputs.texts))
+        let [real, integer, boolean, text] =
+            [&reals, &integers, &booleans, &texts].map(|of_type| handles(&self.instance, &of_type.variables));
+        self.instance.set_real(now, &real, &reals.out_of(&inputs.reals))?;
+        self.instance.set_integer(now, &integer, &integers.out_of(&inputs.integers))?;
+        self.instance.set_boolean(now, &boolean, &booleans.out_of(&inputs.booleans))?;
+        self.instance.set_string(now, &text, &texts.out_of(&inputs.texts))
     }
 
     fn get_slots(&mut self, now: &Now<'_>, slots: &[VariableSlot], outputs: &mut Values) -> Result<(), Failure> {
         let [reals, integers, booleans, texts] = by_type(slots);
-        reals.fetch(&mut outputs.reals, |to| self.instance.get_real(now, &reals.references, to))?;
-        integers.fetch(&mut outputs.integers, |to| self.instance.get_integer(now, &integers.references, to))?;
-        booleans.fetch(&mut outputs.booleans, |to| self.instance.get_boolean(now, &booleans.references, to))?;
-        texts.fetch(&mut outputs.texts, |to| self.instance.get_string(now, &texts.references, to))
+        let [real, integer, boolean, text] =
+            [&reals, &integers, &booleans, &texts].map(|of_type| handles(&self.instance, &of_type.variables));
+        reals.fetch(&mut outputs.reals, |to| self.instance.get_real(now, &real, to))?;
+        integers.fetch(&mut outputs.integers, |to| self.instance.get_integer(now, &integer, to))?;
+        booleans.fetch(&mut outputs.booleans, |to| self.instance.get_boolean(now, &boolean, to))?;
+        texts.fetch(&mut outputs.texts, |to| self.instance.get_string(now, &text, to))
     }
 }
 
 /// Variables of one type whose values are not contiguous.
 struct Scattered {
-    references: Vec<u32>,
+    variables: Vec<usize>,
     at: Vec<usize>,
 }
 
 fn by_type(slots: &[VariableSlot]) -> [Scattered; 4] {
-    [BaseType::Real, BaseType::Integer, BaseType::Boolean, BaseType::String].map(|base| {
+    [ValueType::Real, ValueType::Integer, ValueType::Boolean, ValueType::Text].map(|base| {
         let of_type = slots.iter().filter(|variable| variable.slot.base == base);
-        let (references, at) = of_type.map(|variable| (variable.reference, variable.slot.index)).unzip();
-        Scattered { references, at }
+        let (variables, at) = of_type.map(|variable| (variable.variable, variable.slot.index)).unzip();
+        Scattered { variables, at }
     })
 }
 
@@ -317,11 +336,11 @@ impl Scattered {
 #[test]
 fn variables_are_read_by_type_and_their_values_stored_in_their_slots() {
     use crate::flatten::values::Slot;
-    let slot = |base, index, reference| VariableSlot { slot: Slot { base, index }, reference };
-    let (real, integer) = (BaseType::Real, BaseType::Integer);
+    let slot = |base, index, variable| VariableSlot { slot: Slot { base, index }, variable };
+    let (real, integer) = (ValueType::Real, ValueType::Integer);
     let [reals, integers, booleans, texts] = by_type(&[slot(real, 3, 30), slot(integer, 0, 31), slot(real, 1, 10)]);
-    assert_eq!((reals.references.as_slice(), integers.references.as_slice()), ([30, 10].as_slice(), [31].as_slice()));
-    assert!(booleans.references.is_empty() && texts.references.is_empty());
+    assert_eq!((reals.variables.as_slice(), integers.variables.as_slice()), ([30, 10].as_slice(), [31].as_slice()));
+    assert!(booleans.variables.is_empty() && texts.variables.is_empty());
     let mut values = [0.0, 1.0, 2.0, 3.0];
     assert_eq!(reals.out_of(&values), [3.0, 1.0]);
     let answered = reals.fetch(&mut values, |to| {
