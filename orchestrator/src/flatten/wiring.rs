@@ -10,7 +10,7 @@ mod groups;
 mod row_layout;
 mod slot_table;
 
-pub use events::{Change, Effect, Override};
+pub use events::{Change, Effect, Override, OverrideState, Overrides};
 pub use feed::{Computed, CopyRange, Feed};
 pub use groups::Group;
 pub use row_layout::RowLayout;
@@ -43,10 +43,8 @@ pub struct Wiring {
     pub delayed: Vec<Feed>,
     /// For each group, what its `=>` connections bring, computed from the latest results.
     pub direct: Vec<Feed>,
-    /// For each group, the inputs that a `set` can override.
-    pub overrides: Vec<Vec<Override>>,
-    /// The opening and closing of windows, ordered by tick.
-    pub changes: Vec<Change>,
+    /// The inputs that a `set` can override.
+    pub overrides: Overrides,
     /// The calls of initialization, in their order.
     pub initialization: Vec<InitialCall>,
     /// The conditions of `rises`.
@@ -126,9 +124,9 @@ impl Wiring {
             }
             by_group.iter().map(|connections| Feed::new(connections, &table)).collect()
         });
-        let (overrides, changes) = events::plan(scenario, &groups, &table, &inputs);
+        let overrides = Overrides::new(scenario, &groups, &table, &inputs);
         let wave = |range: Range<usize>| Wave {
-            is_fed: range.clone().any(|group| !direct[group].is_empty() || !overrides[group].is_empty()),
+            is_fed: range.clone().any(|group| !direct[group].is_empty() || !overrides.of_group[group].is_empty()),
             is_read: groups[range.clone()].iter().any(|group| !group.read_every.is_empty()),
             groups: range,
         };
@@ -151,7 +149,6 @@ impl Wiring {
             delayed,
             direct,
             overrides,
-            changes,
             initialization,
             rises,
             inputs,

@@ -16,7 +16,7 @@ pub use observer::Observer;
 use crate::flatten::claims::{Claims, Completeness};
 use crate::flatten::expression::Moment;
 use crate::flatten::values::Values;
-use crate::flatten::wiring::{Wave, Wiring};
+use crate::flatten::wiring::{OverrideState, Wave, Wiring};
 use crate::run::message::{Finish, Reason};
 use crate::run::worker::{Order, Shutdown, Terminated, Worker};
 use gather::UnderWay;
@@ -55,6 +55,8 @@ pub struct StepLoop<'a, W> {
     held: Vec<bool>,
     rises: Vec<bool>,
     next_change: usize,
+    /// Which `set` of each override applies.
+    overrides: Vec<OverrideState>,
     row: Vec<u64>,
     /// The number of samples that the claims took.
     samples: u64,
@@ -79,6 +81,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             held: vec![false; wiring.rises.len()],
             rises: vec![false; wiring.rises.len()],
             next_change: 0,
+            overrides: wiring.overrides.states(),
             row: wiring.row.row(),
             samples: 0,
             wiring,
@@ -162,8 +165,10 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     /// Windows close, then open.
     #[inline]
     fn take_events(&mut self, tick: u64) {
-        while let Some(change) = self.wiring.changes.get(self.next_change).filter(|change| change.tick <= tick) {
-            self.wiring.overrides[change.group][change.target].take(change.effect);
+        while let Some(change) =
+            self.wiring.overrides.changes.get(self.next_change).filter(|change| change.tick <= tick)
+        {
+            self.overrides[change.target].take(change.effect);
             self.next_change += 1;
         }
     }
@@ -201,8 +206,8 @@ impl<'a, W: Observer> StepLoop<'a, W> {
         let visible = Moment { outputs: &self.visible, time_s, rises: &self.rises };
         for group in groups.filter(|&group| self.wiring.groups[group].is_due(tick)) {
             self.wiring.direct[group].bring(&latest, &mut self.inputs);
-            for target in &mut self.wiring.overrides[group] {
-                target.bring(&visible, &mut self.inputs);
+            for &target in &self.wiring.overrides.of_group[group] {
+                self.wiring.overrides.all[target].bring(self.overrides[target], &visible, &mut self.inputs);
             }
         }
     }

@@ -6,6 +6,7 @@ use super::slot_table::SlotTable;
 use crate::flatten::expression::Moment;
 use crate::flatten::values::{Slot, ValueType, Values};
 use dsl::scenario::{Port, Scenario, Trigger, Value};
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// An input or tunable parameter that the script sets at some time.
@@ -15,10 +16,26 @@ pub struct Override {
     /// The value that it returns to; `None` where a connection drives it.
     rest: Option<Value>,
     sets: Vec<Computed>,
+}
+
+/// Which `set` of an override applies, by its index among those of its target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OverrideState {
     /// The `set` without end that began last.
     lasting: Option<usize>,
     /// The `set` whose window is open.
     window: Option<usize>,
+}
+
+/// All overrides of a script, in the order in which it names their targets.
+#[derive(Debug, Default)]
+pub struct Overrides {
+    /// The overrides.
+    pub all: Vec<Override>,
+    /// Those of each group, as indices.
+    pub of_group: Vec<Vec<usize>>,
+    /// What happens to them, by tick.
+    pub changes: Vec<Change>,
 }
 
 /// A window opens or closes, or a `set` without end begins.
@@ -26,9 +43,7 @@ pub struct Override {
 pub struct Change {
     /// The tick at which it happens.
     pub tick: u64,
-    /// The group of the target.
-    pub group: usize,
-    /// The index of the target among the group's overrides.
+    /// The index of the override.
     pub target: usize,
     /// What changes.
     pub effect: Effect,
@@ -45,7 +60,7 @@ pub enum Effect {
     Stay(usize),
 }
 
-impl Override {
+impl OverrideState {
     /// Applies a change.
     pub fn take(&mut self, effect: Effect) {
         match effect {
@@ -55,55 +70,64 @@ impl Override {
             Effect::Stay(set) => self.lasting = Some(set),
         }
     }
+}
 
+impl Override {
     /// Stores the value that applies at this moment; leaves the input alone where a connection drives it.
-    pub fn bring(&mut self, moment: &Moment<'_>, inputs: &mut Values) {
-        match (self.window.or(self.lasting), &self.rest) {
+    pub fn bring(&mut self, state: OverrideState, moment: &Moment<'_>, inputs: &mut Values) {
+        match (state.window.or(state.lasting), &self.rest) {
             (Some(set), _) => self.sets[set].bring(moment, inputs),
             (None, Some(rest)) => inputs.store(self.to, rest),
             (None, None) => {}
         }
     }
+
+    /// Whether this can be its state.
+    #[must_use]
+    pub fn fits(&self, state: &OverrideState) -> bool {
+        [state.lasting, state.window].into_iter().flatten().all(|set| set < self.sets.len())
+    }
 }
 
-/// Lists the overrides of each group and their changes, ordered by tick; within a tick, windows close before others open.
-pub(super) fn plan(
-    scenario: &Scenario,
-    groups: &[Group],
-    table: &SlotTable,
-    inputs: &Values,
-) -> (Vec<Vec<Override>>, Vec<Change>) {
-    let connected: BTreeSet<Port> = scenario.connections.iter().map(|connection| connection.target).collect();
-    let mut overrides: Vec<Vec<Override>> = groups.iter().map(|_| Vec::new()).collect();
-    let mut known = BTreeMap::new();
-    let mut changes = Vec::new();
-    for event in &scenario.events {
-        let Trigger::At(from) = event.trigger else { unreachable!("the resolver refuses `when` and `while`") };
-        for set in event.sets() {
-            let to = table.input_slot(set.target).slot;
-            let group = table.group_of(set.target.instance);
-            let of_group = &mut overrides[group];
-            let target = *known.entry(set.target).or_insert_with(|| {
-                let rest = (!connected.contains(&set.target)).then(|| value_at(inputs, to));
-                of_group.push(Override { to, rest, sets: Vec::new(), lasting: None, window: None });
-                of_group.len() - 1
-            });
-            let sets = &mut of_group[target].sets;
-            let index = sets.len();
-            sets.push(Computed::new(&set.value, to, table));
-            let change = |tick, effect| Change { tick, group, target, effect };
-            match event.lasting {
-                Some(lasting) => {
-                    changes.push(change(from, Effect::Open(index)));
-                    changes.push(change(from.saturating_add(lasting), Effect::Close(index)));
+impl Overrides {
+    /// Lists the overrides and their changes, ordered by tick; within a tick, windows close before others open.
+    pub(super) fn new(scenario: &Scenario, groups: &[Group], table: &SlotTable, inputs: &Values) -> Self {
+        let connected: BTreeSet<Port> = scenario.connections.iter().map(|connection| connection.target).collect();
+        let mut overrides = Self { of_group: vec![Vec::new(); groups.len()], ..Self::default() };
+        let mut known = BTreeMap::new();
+        for event in &scenario.events {
+            let Trigger::At(from) = event.trigger else { unreachable!("the resolver refuses `when` and `while`") };
+            for set in event.sets() {
+                let to = table.input_slot(set.target).slot;
+                let target = *known.entry(set.target).or_insert_with(|| {
+                    let rest = (!connected.contains(&set.target)).then(|| value_at(inputs, to));
+                    overrides.of_group[table.group_of(set.target.instance)].push(overrides.all.len());
+                    overrides.all.push(Override { to, rest, sets: Vec::new() });
+                    overrides.all.len() - 1
+                });
+                let sets = &mut overrides.all[target].sets;
+                let index = sets.len();
+                sets.push(Computed::new(&set.value, to, table));
+                let mut change = |tick, effect| overrides.changes.push(Change { tick, target, effect });
+                match event.lasting {
+                    Some(lasting) => {
+                        change(from, Effect::Open(index));
+                        change(from.saturating_add(lasting), Effect::Close(index));
+                    }
+                    None => change(from, Effect::Stay(index)),
                 }
-                None => changes.push(change(from, Effect::Stay(index))),
             }
         }
+        // A stable sort: changes of one kind at one tick keep the order of the script.
+        overrides.changes.sort_by_key(|change: &Change| (change.tick, !matches!(change.effect, Effect::Close(_))));
+        overrides
     }
-    // A stable sort: changes of one kind at one tick keep the order of the script.
-    changes.sort_by_key(|change: &Change| (change.tick, !matches!(change.effect, Effect::Close(_))));
-    (overrides, changes)
+
+    /// The state of all overrides before the first tick.
+    #[must_use]
+    pub fn states(&self) -> Vec<OverrideState> {
+        vec![OverrideState::default(); self.all.len()]
+    }
 }
 
 fn value_at(values: &Values, slot: Slot) -> Value {

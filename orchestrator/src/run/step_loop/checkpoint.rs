@@ -6,7 +6,7 @@
 use super::{Observer, StepLoop, UnderWay};
 use crate::flatten::claims::{Claims, Memory};
 use crate::flatten::values::Values;
-use crate::flatten::wiring::{InstancePorts, Wiring};
+use crate::flatten::wiring::{InstancePorts, OverrideState, Wiring};
 use crate::run::worker::{Reply, Terminated};
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;
@@ -26,6 +26,8 @@ pub struct Checkpoint {
     /// Whether each condition of `rises` held at the last sample, and whether it rose then.
     held: Vec<bool>,
     rises: Vec<bool>,
+    /// Which `set` of each override applies.
+    overrides: Vec<OverrideState>,
     claims: Memory,
 }
 
@@ -95,6 +97,8 @@ impl Checkpoint {
             })
             && self.terminated.iter().all(|(_, unit)| exists(unit))
             && [self.held.len(), self.rises.len()] == [wiring.rises.len(); 2]
+            && self.overrides.len() == wiring.overrides.all.len()
+            && wiring.overrides.all.iter().zip(&self.overrides).all(|(one, state)| one.fits(state))
             && claims.remember(&self.claims, self.tick + 1)
     }
 }
@@ -134,6 +138,7 @@ impl<W: Observer> StepLoop<'_, W> {
             terminated: self.terminated.clone(),
             held: self.held.clone(),
             rises: self.rises.clone(),
+            overrides: self.overrides.clone(),
             claims: self.claims.memory(),
         };
         self.observer.checkpoint(&checkpoint).map_err(|cause| Failure::between_calls(self.wiring.seconds(tick), cause))
@@ -199,7 +204,8 @@ impl<W: Observer> StepLoop<'_, W> {
         self.terminated.clone_from(&checkpoint.terminated);
         self.held.clone_from(&checkpoint.held);
         self.rises.clone_from(&checkpoint.rises);
-        self.take_events(*tick);
+        self.overrides.clone_from(&checkpoint.overrides);
+        self.next_change = self.wiring.overrides.changes.partition_point(|change| change.tick <= *tick);
         self.samples = tick + 1;
         assert!(self.claims.remember(&checkpoint.claims, self.samples), "a checkpoint fits its claims");
         self.claims.standings().for_each(|(claim, standing)| self.observer.claim(claim, standing));
