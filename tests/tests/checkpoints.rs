@@ -127,6 +127,50 @@ fn a_checkpoint_is_the_same_in_every_placement_and_continues_in_every_other() {
     }
 }
 
+/// Twenty ticks of a run of so many rows, always the same ones, spread over all of it.
+fn seeded_ticks(rows: usize) -> Vec<usize> {
+    let mut ticks: Vec<_> = (1..=20).map(|i: usize| i.wrapping_mul(0x9e37_79b9_7f4a_7c15) % (rows - 1)).collect();
+    ticks.sort_unstable();
+    ticks.dedup();
+    ticks
+}
+
+#[test]
+fn every_scenario_continues_from_twenty_ticks_in_both_placements() {
+    for scenario in fs::read_dir(repository().join("scenarios")).unwrap() {
+        let path = scenario.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "scn") {
+            continue;
+        }
+        let (script, home) = (path.to_str().unwrap(), tempfile::tempdir().unwrap());
+        let first = run_script(script, &home.path().join("first"), &[]);
+        assert!(first.code.is_some_and(|code| code < 2), "{script}: {}", first.err);
+        let trace = read(&home.path().join("first"), "trace.csv");
+        let second_row = trace.lines().nth(2).unwrap().split(',').next().unwrap();
+        let step_ns = second_row.parse::<f64>().unwrap() * 1e9;
+        let ticks = seeded_ticks(trace.lines().count() - 1);
+        assert!(ticks.len() > 15, "{script}: {ticks:?}");
+        for (out, more) in [("whole", &[][..]), ("isolated", &["--isolate"])] {
+            let time = |tick: usize| format!("{}ns", (tick as f64 * step_ns).round());
+            let file = |tick: usize| home.path().join(format!("{out}{tick}")).display().to_string();
+            let saves: Vec<_> =
+                ticks.iter().flat_map(|&tick| ["--save-at".to_owned(), time(tick), file(tick)]).collect();
+            let saves: Vec<_> = saves.iter().map(String::as_str).chain(more.iter().copied()).collect();
+            let said = run_script(script, &home.path().join(out), &saves);
+            assert_eq!(said.code, first.code, "{script}: {}", said.err);
+        }
+        for &tick in &ticks {
+            let [together, isolated] = ["whole", "isolated"].map(|out| home.path().join(format!("{out}{tick}")));
+            assert!(fs::read(together).unwrap() == fs::read(isolated).unwrap(), "{script}: checkpoints of tick {tick}");
+            continues(script, home.path(), &format!("isolated{tick}"), tick + 1);
+        }
+        // A worker for each instance takes longer, so only the later half of the ticks.
+        for &tick in &ticks[ticks.len() / 2..] {
+            continues_as(script, home.path(), &format!("whole{tick}"), tick + 1, &["--isolate"]);
+        }
+    }
+}
+
 #[test]
 fn a_continued_run_saves_the_same_checkpoint_as_the_whole_run() {
     let home = tempfile::tempdir().unwrap();
