@@ -315,7 +315,7 @@ fn request(spec: &RunSpec, ports: &[(usize, InstancePorts)], groups: Vec<GroupSp
             name: instance.name.clone(),
             unit: unit_of(*index),
             presets: instance.presets.clone(),
-            log_calls: spec.log_calls.contains(index),
+            log_calls: spec.options.logs_calls_of(&instance.name),
             inputs: variables(&ports.inputs),
             outputs: variables(&ports.outputs),
         }
