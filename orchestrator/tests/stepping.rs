@@ -6,6 +6,7 @@ use dsl::scenario::{
 };
 use fmi2::calls::Call;
 use orchestrator::run::message::{Finish, Message, Reason};
+use orchestrator::run::run_options::RunOptions;
 use orchestrator::run::run_spec::{RunSpec, UnitSpec};
 use orchestrator::run::stepping;
 use std::path::PathBuf;
@@ -89,13 +90,10 @@ fn step_run(scenario: Scenario, foreign: &Foreign) -> Ran {
         unit_of,
         folder,
         board,
-        fail_fast: false,
-        record: true,
-        live: false,
-        pace: None,
+        options: RunOptions { record: true, ..RunOptions::default() },
+        worker_of: None,
         saves: Vec::new(),
         from: None,
-        log_calls: vec![],
     };
     let board = Arc::new(Board::private(&layout).unwrap());
     stepping::step_run(&spec, &board);

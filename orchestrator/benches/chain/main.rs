@@ -13,7 +13,8 @@ mod peer;
 
 use orchestrator::flatten::claims::Claims;
 use orchestrator::flatten::wiring::Wiring;
-use orchestrator::run::step_loop::{Checkpoint, LoopOptions, Observer, StepLoop};
+use orchestrator::run::run_options::RunOptions;
+use orchestrator::run::step_loop::{Checkpoint, Observer, StepLoop};
 use orchestrator::run::worker::{InProcess, Instantiated, Worker};
 use peer::table::{Row, Table, alternate};
 use peer::{Unit, to_error};
@@ -56,7 +57,7 @@ fn by_loop(unit: &Unit, units: usize, ticks: u64) -> Result<Duration, Box<dyn Er
     let instances = instances.map(|(index, instance)| Instantiated { index, instance }).collect();
     let worker: Box<dyn Worker> =
         Box::new(InProcess::new(wiring.step_ns, &wiring.groups, &wiring.ports, instances, unit.board.note(0)));
-    let mut run = StepLoop::new(wiring, claims, vec![worker], LoopOptions::default(), BoardOnly { board: &unit.board });
+    let mut run = StepLoop::new(wiring, claims, vec![worker], RunOptions::default(), BoardOnly { board: &unit.board });
     let begun = Instant::now();
     let finish = run.run(None);
     let took = begun.elapsed();

@@ -16,6 +16,7 @@ use echo::Echoes;
 use orchestrator::bus::WorkerSet;
 use orchestrator::flatten::wiring::Wiring;
 use orchestrator::run::message::MessageSink;
+use orchestrator::run::run_options::RunOptions;
 use orchestrator::run::run_spec::{RunSpec, UnitSpec};
 use orchestrator::run::worker::{Order, Shutdown, Worker};
 use peer::table::{Table, alternate};
@@ -126,12 +127,9 @@ fn spec(unit: &Unit, count: usize) -> RunSpec {
         unit_of: vec![0; count],
         folder,
         board,
-        fail_fast: false,
-        record: false,
-        live: false,
-        pace: None,
+        options: RunOptions::default(),
+        worker_of: None,
         saves: Vec::new(),
         from: None,
-        log_calls: Vec::new(),
     }
 }

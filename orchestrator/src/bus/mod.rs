@@ -4,7 +4,7 @@
 //! lockstep run --isolate: `coordinator/` holds step loop, claims and trace; for each worker a `Remote` (a `Worker`)
 //!    │ starts, ends: WorkerProcesses │ orders: lockstep/<run>/do      ▲ replies: lockstep/<run>/done
 //!    ▼                               ▼                                │
-//! lockstep worker: `worker/` holds one instance: sets inputs, steps, gets outputs, nothing else
+//! lockstep worker: `worker/` holds instances: sets inputs, steps, gets outputs, nothing else
 //! ```
 //!
 //! The worker listens on a socket in the run's private folder and the coordinator connects to it; neither opens any other

@@ -1,10 +1,11 @@
 //! The exit codes of a run, which scripts and CI systems rely on, and how a run comes to its own.
 
 use crate::find::preparation::Refusal;
-use crate::host::execution::{HostOptions, ReadyRun, RunOutcome, carry_out};
-use crate::host::supervise::SuperviseError;
+use crate::host::execution::{ReadyRun, RunOutcome, carry_out};
+use crate::host::supervise::{StartWorkers, SuperviseError};
 use results::TraceError;
 use results::report;
+use results::report::console::Style;
 use results::verdict::Count;
 
 /// All claims hold, or there are none.
@@ -20,10 +21,16 @@ const UNJUDGED: u8 = 4;
 /// The user interrupted.
 const INTERRUPTED: u8 = 130;
 
+/// What starts the workers of a run.
+#[cfg(feature = "bus")]
+const START_WORKERS: Option<StartWorkers> = Some(crate::bus::start_isolated);
+#[cfg(not(feature = "bus"))]
+const START_WORKERS: Option<StartWorkers> = None;
+
 /// Carries out what is prepared, has its outcome told, and returns the exit code.
 pub(super) fn reached(
     ready: Result<ReadyRun, Refusal>,
-    manner: HostOptions,
+    style: Style,
     tell: impl FnOnce(&RunOutcome) -> Result<(), TraceError>,
 ) -> u8 {
     let ready = match ready {
@@ -33,7 +40,7 @@ pub(super) fn reached(
             return USAGE;
         }
     };
-    let told = carry_out(ready, manner).and_then(|outcome| {
+    let told = carry_out(ready, style, START_WORKERS).and_then(|outcome| {
         tell(&outcome).map_err(SuperviseError::Trace)?;
         Ok(of(outcome.ended.interrupted, outcome.ended.failure.is_some(), outcome.verdict.count()))
     });

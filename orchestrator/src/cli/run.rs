@@ -4,10 +4,10 @@
 mod live;
 
 use super::exit_code;
-use crate::find::preparation::{self, CheckpointOptions, PrepareOptions, Refusal, default_folder};
+use crate::find::preparation::{self, Refusal, default_folder};
 use crate::find::script::Script;
-use crate::host::execution::{HostOptions, ReadyRun, RunOutcome};
-use crate::host::supervise::Placement;
+use crate::host::execution::{ReadyRun, RunOutcome};
+use crate::run::run_options::RunOptions;
 use results::report;
 use results::report::console::Style;
 use results::report::table::{next_lines, replay_command};
@@ -91,22 +91,10 @@ impl Run {
     /// Runs the command and returns its exit code.
     #[must_use]
     pub fn run(&self) -> u8 {
-        let (style, step_timeout) = (Style::fitting(self.progress.is_some()), self.step_timeout);
-        let manner = HostOptions { style, step_timeout, placement: self.placement() };
-        exit_code::reached(self.prepare(), manner, |outcome| {
+        exit_code::reached(self.prepare(), Style::fitting(self.progress.is_some()), |outcome| {
             self.tell(outcome);
             Ok(())
         })
-    }
-
-    #[cfg(feature = "bus")]
-    fn placement(&self) -> Placement {
-        if self.isolate { Placement::Isolated(crate::bus::start_isolated) } else { Placement::Together }
-    }
-
-    #[cfg(not(feature = "bus"))]
-    fn placement(&self) -> Placement {
-        Placement::Together
     }
 
     fn prepare(&self) -> Result<ReadyRun, Refusal> {
@@ -115,21 +103,31 @@ impl Run {
             .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", self.script.display()), None))?;
         #[cfg(feature = "bus")]
         let listening = self.live.listen()?;
-        let out = self.out.clone().unwrap_or_else(|| default_folder(&self.script));
-        let wanted = PrepareOptions {
-            out,
-            fail_fast: self.fail_fast,
-            record: self.record.is_none(),
-            pace: self.pace,
-            checkpoints: CheckpointOptions { saves: self.saves()?, from: self.from.clone() },
-            log_calls: self.log_fmi_calls.clone(),
-            files: Vec::new(),
-        };
-        let run = preparation::prepare(script, wanted)?;
+        let options = self.options()?;
+        let units = preparation::unpack_units(&script)?;
+        let run = preparation::prepare(script, &units, options)?;
         #[cfg(feature = "bus")]
         return self.live.show(listening, run);
         #[cfg(not(feature = "bus"))]
         Ok(run.into())
+    }
+
+    fn options(&self) -> Result<RunOptions, Refusal> {
+        Ok(RunOptions {
+            out: self.out.clone().unwrap_or_else(|| default_folder(&self.script)),
+            fail_fast: self.fail_fast,
+            record: self.record.is_none(),
+            #[cfg(feature = "bus")]
+            live: self.live.is_on(),
+            pace: self.pace,
+            save_at: self.saves()?,
+            from: self.from.clone(),
+            log_calls: self.log_fmi_calls.clone(),
+            step_timeout: Some(self.step_timeout).filter(|limit| !limit.is_zero()),
+            #[cfg(feature = "bus")]
+            isolate: self.isolate,
+            ..RunOptions::default()
+        })
     }
 
     /// The pairs of `--save-at`.

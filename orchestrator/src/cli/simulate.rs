@@ -6,10 +6,10 @@ mod input_file;
 mod start_values;
 
 use super::exit_code;
-use crate::find::preparation::{self, CheckpointOptions, PrepareOptions, Refusal};
-use crate::host::execution::{HostOptions, ReadyRun, RunOutcome};
-use crate::host::supervise::Placement;
+use crate::find::preparation::{self, Refusal};
+use crate::host::execution::{ReadyRun, RunOutcome};
 use crate::run::prepared_run::PreparedRun;
+use crate::run::run_options::RunOptions;
 use alone::Alone;
 use results::TraceError;
 use results::report;
@@ -63,9 +63,7 @@ impl Simulate {
     /// Runs the command and returns its exit code.
     #[must_use]
     pub fn run(&self) -> u8 {
-        let (style, placement) = (Style::fitting(false), Placement::Together);
-        let manner = HostOptions { style, step_timeout: self.step_timeout, placement };
-        exit_code::reached(self.prepare().map(ReadyRun::from), manner, |outcome| self.tell(outcome))
+        exit_code::reached(self.prepare().map(ReadyRun::from), Style::fitting(false), |outcome| self.tell(outcome))
     }
 
     fn prepare(&self) -> Result<PreparedRun, Refusal> {
@@ -94,9 +92,10 @@ impl Simulate {
             let message = format!("--output {} lies in the folder of the results", output.display());
             return Err(Refusal::new(&message, Some("their rows are in its trace.csv anyway; name a file elsewhere")));
         }
-        let (checkpoints, log_calls) = (CheckpointOptions::default(), Vec::new());
-        let wanted = PrepareOptions { out, fail_fast: false, record: true, pace: None, checkpoints, log_calls, files };
-        preparation::prepare(script, wanted)
+        let step_timeout = Some(self.step_timeout).filter(|limit| !limit.is_zero());
+        let options = RunOptions { out, record: true, step_timeout, files, ..RunOptions::default() };
+        let units = preparation::unpack_units(&script)?;
+        preparation::prepare(script, &units, options)
     }
 
     fn read_input(&self, path: &Path, alone: &Alone) -> Result<(input_file::Curves, HashedFile), Refusal> {

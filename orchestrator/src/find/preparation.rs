@@ -2,11 +2,10 @@
 
 mod checkpoints;
 
-pub use checkpoints::CheckpointOptions;
-
 use crate::find::catalogue::Catalogue;
 use crate::find::script::Script;
 use crate::run::prepared_run::PreparedRun;
+use crate::run::run_options::RunOptions;
 use crate::run::run_spec::{HOME_PREFIX, RunSpec, SaveSpec, UnitSpec};
 use checkpoints::{Candidate, Checkpoints};
 use dsl::nearest::nearest;
@@ -19,30 +18,12 @@ use results::run_record::{HashedFile, Host, Parameter, RunRecord, RunState, now,
 use std::collections::BTreeSet;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use tempfile::TempDir;
 use unit::archive::{Unpacked, unpack};
 
 /// How many findings about one unit a run mentions.
 const FINDINGS_TOLD: usize = 3;
-
-/// What a run is asked for besides its script.
-#[derive(Clone, Debug)]
-pub struct PrepareOptions {
-    /// Where the results go.
-    pub out: PathBuf,
-    /// End as soon as a claim is lost.
-    pub fail_fast: bool,
-    /// Record rows.
-    pub record: bool,
-    /// Simulated seconds for each second of the wall clock, if it is not to run as fast as it can.
-    pub pace: Option<f64>,
-    /// What to save, and where to continue from.
-    pub checkpoints: CheckpointOptions,
-    /// The names of the instances whose calls are logged.
-    pub log_calls: Vec<String>,
-    /// What the run reads besides what the script names.
-    pub files: Vec<HashedFile>,
-}
 
 /// Why a run cannot begin, as the user reads it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,43 +47,63 @@ pub fn catalogue(folders: &[PathBuf], build: bool) -> Result<Catalogue, Refusal>
     Catalogue::new(folders.to_vec(), &current, build).map_err(|error| Refusal::new(&error, None))
 }
 
-/// Unpacks the units of a script and claims the folder of the results. Warnings are told.
+/// The units of a script, unpacked into the private folder of the run; they serve all cases of the script.
+#[derive(Debug)]
+pub struct UnpackedUnits {
+    /// Removed when this and all runs that were prepared with it are dropped.
+    home: Arc<TempDir>,
+    units: Vec<UnitSpec>,
+}
+
+/// Unpacks the units of a script and hashes them, once for all of its cases. Warnings are printed.
 ///
 /// # Errors
-/// Whatever is wrong with the script, its units or the folder.
-pub fn prepare(mut script: Script, wanted: PrepareOptions) -> Result<PreparedRun, Refusal> {
+/// Whatever is wrong with the script or its units.
+pub fn unpack_units(script: &Script) -> Result<UnpackedUnits, Refusal> {
     let rendered = script.rendered(std::io::stderr().is_terminal());
-    let Some(scenario) = script.scenario.take() else { return Err(Refusal(rendered)) };
+    if script.scenario.is_none() {
+        return Err(Refusal(rendered));
+    }
     if !rendered.is_empty() {
         status(rendered.trim_end());
     }
-    let log_calls = instances_named(&wanted.log_calls, &scenario)?;
-    let files = files_of(&scenario, &script.folder)?.into_iter().chain(wanted.files).collect();
     let home = TempDir::with_prefix(HOME_PREFIX)
         .map_err(|error| Refusal::new(&format!("cannot make a folder for the units: {error}"), None))?;
-    let (units, hashes) = unpack_all(&script, home.path())?;
-    let unit_of: Vec<_> = scenario.instances.iter().map(|instance| unit_of(&units, &instance.unit)).collect();
-    let mut record = record(&script, &scenario, hashes, files);
-    let candidate = Candidate { scenario: &scenario, units: &units, unit_of: &unit_of, record: &record };
-    let Checkpoints { saving, from } = candidate.checkpoints(&wanted.checkpoints)?;
+    Ok(UnpackedUnits { units: unpack_all(script, home.path())?, home: Arc::new(home) })
+}
+
+/// Prepares one case of a script, whose units are unpacked: checks what it reads and continues from, and claims the folder
+/// of its results.
+///
+/// # Errors
+/// Whatever is wrong with the script, its files, the options or the folder.
+pub fn prepare(mut script: Script, unpacked: &UnpackedUnits, options: RunOptions) -> Result<PreparedRun, Refusal> {
+    let Some(scenario) = script.scenario.take() else {
+        return Err(Refusal(script.rendered(std::io::stderr().is_terminal())));
+    };
+    check_log_calls(&options.log_calls, &scenario)?;
+    let files = files_of(&scenario, &script.folder)?.into_iter().chain(options.files.iter().cloned()).collect();
+    let UnpackedUnits { home, units } = unpacked;
+    let unit_of: Vec<_> = scenario.instances.iter().map(|instance| unit_of(units, &instance.unit)).collect();
+    let hash = |unit: &UnitSpec| HashedFile { name: unit.name.clone(), sha256: unit.sha256.clone() };
+    let mut record = record(&script, &scenario, units.iter().map(hash).collect(), files);
+    let candidate = Candidate { scenario: &scenario, units, unit_of: &unit_of, record: &record };
+    let Checkpoints { saving, from } = candidate.checkpoints(&options)?;
     let (from, continued) = from.unzip();
     record.from = continued;
-    let folder = RunFolder::claim(&wanted.out, &record).map_err(|error| Refusal::new(&error, error.help()))?;
+    let folder = RunFolder::claim(&options.out, &record).map_err(|error| Refusal::new(&error, error.help()))?;
     let spec = RunSpec {
         unit_of,
+        worker_of: options.isolate.then(|| (0..scenario.instances.len()).collect()),
         scenario,
         folder: script.folder.canonicalize().unwrap_or_else(|_| script.folder.clone()),
         board: home.path().join("board"),
-        fail_fast: wanted.fail_fast,
-        record: wanted.record,
-        live: false,
-        pace: wanted.pace,
+        options,
         saves: saves(&saving, home.path()),
         from,
-        log_calls,
-        units,
+        units: units.clone(),
     };
-    Ok(PreparedRun { spec, saving, record, folder, home, script: script.name })
+    Ok(PreparedRun { spec, saving, record, folder, home: Arc::clone(home), script: script.name })
 }
 
 /// A private file for each tick at which something is saved.
@@ -118,24 +119,15 @@ fn unit_of(units: &[UnitSpec], name: &str) -> usize {
     }
 }
 
-/// The instances of these names, each once.
-fn instances_named(names: &[String], scenario: &Scenario) -> Result<Vec<usize>, Refusal> {
-    let mut found = names
-        .iter()
-        .map(|name| {
-            let known = || scenario.instances.iter().map(|instance| instance.name.as_str());
-            known().position(|instance| instance == name).ok_or_else(|| {
-                let help = match nearest(name, known()) {
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("its instances are: {}", known().collect::<Vec<_>>().join(", ")),
-                };
-                Refusal::new(&format!("--log-fmi-calls {name}: the script has no such instance"), Some(&help))
-            })
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    found.sort_unstable();
-    found.dedup();
-    Ok(found)
+/// Refuses a name that no instance has.
+fn check_log_calls(names: &[String], scenario: &Scenario) -> Result<(), Refusal> {
+    let known = || scenario.instances.iter().map(|instance| instance.name.as_str());
+    let Some(name) = names.iter().find(|name| !known().any(|known| known == *name)) else { return Ok(()) };
+    let help = match nearest(name, known()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("its instances are: {}", known().collect::<Vec<_>>().join(", ")),
+    };
+    Err(Refusal::new(&format!("--log-fmi-calls {name}: the script has no such instance"), Some(&help)))
 }
 
 /// Where the results of a script go unless the user says so: `runs/` and its name without its ending.
@@ -145,9 +137,8 @@ pub fn default_folder(script: &Path) -> PathBuf {
 }
 
 /// Unpacks each unit into a folder of its own; what the standard has against it is told and tolerated.
-fn unpack_all(script: &Script, home: &Path) -> Result<(Vec<UnitSpec>, Vec<HashedFile>), Refusal> {
+fn unpack_all(script: &Script, home: &Path) -> Result<Vec<UnitSpec>, Refusal> {
     let mut units = Vec::new();
-    let mut hashes = Vec::new();
     for (index, unit) in script.units.iter().enumerate() {
         let unpacked =
             unpack(&unit.archive, &home.join(format!("unit{index}"))).map_err(|error| Refusal::new(&error, None))?;
@@ -155,10 +146,9 @@ fn unpack_all(script: &Script, home: &Path) -> Result<(Vec<UnitSpec>, Vec<Hashed
             status(&line);
         }
         let Unpacked { folder, description, sha256, .. } = unpacked;
-        hashes.push(HashedFile { name: unit.name.clone(), sha256: sha256.clone() });
         units.push(UnitSpec { name: unit.name.clone(), folder, description, sha256 });
     }
-    Ok((units, hashes))
+    Ok(units)
 }
 
 fn finding_lines(name: &str, archive: &Path, findings: &[Finding]) -> Vec<String> {

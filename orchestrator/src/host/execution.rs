@@ -2,12 +2,11 @@
 
 use crate::flatten::claims;
 use crate::flatten::columns;
-use crate::host::supervise::{LiveObserver, Placement, RunEnd, SuperviseError, SuperviseRequest, supervise};
+use crate::host::supervise::{LiveObserver, RunEnd, StartWorkers, SuperviseError, supervise};
 use crate::run::message::Reason;
 use crate::run::prepared_run::PreparedRun;
 use crate::run::run_spec::RunSpec;
 use dsl::scenario::Scenario;
-use results::checkpoint::Saving;
 use results::recorder::Recorder;
 use results::report;
 use results::report::console::{Console, Style};
@@ -16,19 +15,7 @@ use results::run_folder::{RunFolder, VERDICT_JSON};
 use results::run_record::{Broken, RunRecord, RunState};
 use results::verdict::{JudgedClaim, VerdictFile};
 use results::{TraceError, signals};
-use std::time::Duration;
 use unit::time::seconds;
-
-/// How a run is looked after.
-#[derive(Clone, Copy, Debug)]
-pub struct HostOptions {
-    /// How progress is told.
-    pub style: Style,
-    /// How long a call of a unit may take; zero waits for ever.
-    pub step_timeout: Duration,
-    /// Where the instances live.
-    pub placement: Placement,
-}
 
 /// A run that is prepared, with what shows it while it goes on.
 #[derive(Debug)]
@@ -75,10 +62,20 @@ impl RunOutcome {
 ///
 /// # Errors
 /// If the run could not be looked after, or its files not be written.
-pub fn carry_out(ready: ReadyRun, manner: HostOptions) -> Result<RunOutcome, SuperviseError> {
+pub fn carry_out(
+    ready: ReadyRun,
+    style: Style,
+    start_workers: Option<StartWorkers>,
+) -> Result<RunOutcome, SuperviseError> {
     let ReadyRun { run, observer: mut live_observer } = ready;
     let PreparedRun { spec, saving, mut record, mut folder, home: _home, script } = run;
-    let ended = look_after(&spec, &saving, &folder, live_observer.as_deref_mut(), manner);
+    let program = std::env::current_exe();
+    let program = program.map_err(|error| SuperviseError::Start { doing: "find this program", error });
+    let observer = live_observer.as_deref_mut();
+    let ended = program.and_then(|program| {
+        let recorder = begin_files(&folder, &spec).map_err(SuperviseError::Trace)?;
+        supervise(&spec, &saving, &program, start_workers, recorder, observer, &mut Console::stderr(style))
+    });
     if let Some(live_observer) = live_observer {
         live_observer.end(ended.as_ref().map_or(RunState::Broken, run_state));
     }
@@ -94,21 +91,6 @@ pub fn carry_out(ready: ReadyRun, manner: HostOptions) -> Result<RunOutcome, Sup
     leave(&mut folder, &mut record, &verdict).map_err(SuperviseError::Trace)?;
     let stop_s = seconds(spec.scenario.stop_tick, spec.scenario.step_ns);
     Ok(RunOutcome { ended, verdict, folder, script, from_s: spec.from_s(), stop_s })
-}
-
-fn look_after(
-    spec: &RunSpec,
-    saving: &Saving,
-    folder: &RunFolder,
-    live_observer: Option<&mut (dyn LiveObserver + 'static)>,
-    manner: HostOptions,
-) -> Result<RunEnd, SuperviseError> {
-    let program = std::env::current_exe();
-    let program = program.map_err(|error| SuperviseError::Start { doing: "find this program", error })?;
-    let recorder = begin_files(folder, spec).map_err(SuperviseError::Trace)?;
-    let step_timeout = (!manner.step_timeout.is_zero()).then_some(manner.step_timeout);
-    let request = SuperviseRequest { spec, saving, program, step_timeout, placement: manner.placement };
-    supervise(&request, recorder, live_observer, &mut Console::stderr(manner.style))
 }
 
 /// Notes, and tells as far as the caller will not, what broke a run that left no results.
@@ -139,13 +121,14 @@ fn leave(folder: &mut RunFolder, record: &mut RunRecord, verdict: &VerdictFile) 
 /// The files that grow with the run: rows unless `--record none`, and calls that are to be logged.
 fn begin_files(folder: &RunFolder, spec: &RunSpec) -> Result<Recorder, TraceError> {
     let mut recorder = Recorder::default();
-    if spec.record {
+    if spec.options.record {
         let columns = columns::of(&spec.scenario, |instance| &spec.units[spec.unit_of[instance]].description);
         let signals: Vec<_> = std::iter::once(signals::time()).chain(columns).collect();
         recorder.begin_rows(folder, spec.scenario.step_ns, &signals)?;
     }
-    for &instance in &spec.log_calls {
-        recorder.begin_calls(folder, instance, &spec.scenario.instances[instance].name)?;
+    let instances = spec.scenario.instances.iter().enumerate();
+    for (index, instance) in instances.filter(|(_, instance)| spec.options.logs_calls_of(&instance.name)) {
+        recorder.begin_calls(folder, index, &instance.name)?;
     }
     Ok(recorder)
 }
@@ -186,6 +169,7 @@ mod tests {
     use super::*;
     use crate::example::record;
     use std::path::Path;
+    use std::time::Duration;
     use unit::failure::{Cause, Doing, Failure};
 
     fn failure() -> Failure {

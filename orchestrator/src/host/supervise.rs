@@ -28,12 +28,13 @@ use results::verdict::{JudgedClaim, Standing, Verdict};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use std::io::{self, Write};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use std::{fs, thread};
 pub use stepping_process::SUBCOMMAND;
 use stepping_process::SteppingProcess;
-pub use terms::{Placement, RunEnd, StartWorkers, Stepping, SuperviseError, SuperviseRequest};
+pub use terms::{RunEnd, StartWorkers, Stepping, SuperviseError};
 use unit::board::{Board, BoardLayout, ClaimNote, InCall};
 use unit::failure::{Cause, Failure};
 use unit::time::seconds;
@@ -50,44 +51,48 @@ fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError 
     move |error| SuperviseError::Start { doing, error }
 }
 
-/// Runs a spec to its end. Rows and calls go to the recorder, whose files are whole when this returns; rows also to the
-/// live observer, whose `end` is left to the caller.
+/// Runs a spec to its end. Its child process is one of `program`; its workers, if it has any, are started by
+/// `start_workers`. Rows and calls go to the recorder, whose files are whole when this returns; rows also to the live
+/// observer, whose `end` is left to the caller.
 ///
 /// # Errors
 /// If what steps cannot be started or the trace not be written; no process of the run is left then either.
 pub fn supervise<W: Write>(
-    request: &SuperviseRequest,
+    spec: &RunSpec,
+    saving: &Saving,
+    program: &Path,
+    start_workers: Option<StartWorkers>,
     recorder: Recorder,
     mut live_observer: Option<&mut (dyn LiveObserver + 'static)>,
     console: &mut Console<W>,
 ) -> Result<RunEnd, SuperviseError> {
-    let spec = request.spec;
-    let columns = if spec.hands_over_rows() { spec.scenario.columns.len() } else { 0 };
+    let columns = if spec.options.hands_over_rows() { spec.scenario.columns.len() } else { 0 };
     let layout = BoardLayout { notes: 1, columns, claims: spec.scenario.claims.len() };
     let signals = Signals::new([SIGINT, SIGTERM]).map_err(start_error("listen for Ctrl-C"))?;
-    match request.placement {
-        Placement::Together => {
+    match &spec.worker_of {
+        None => {
             let board = Board::create(&spec.board, &layout).map_err(start_error("make the board of the run"))?;
             let board = Arc::new(board);
             if let Some(live_observer) = &mut live_observer {
                 live_observer.begin(&board);
             }
-            let process =
-                SteppingProcess::start(&request.program, spec).map_err(start_error("start the stepping process"))?;
+            let process = SteppingProcess::start(program, spec).map_err(start_error("start the stepping process"))?;
             supervise_loop(
                 Box::new(process),
                 signals,
-                Supervision::new(request, &board, recorder, live_observer, console),
+                Supervision::new(spec, saving, &board, recorder, live_observer, console),
             )
         }
-        Placement::Isolated(start_workers) => {
+        Some(_) => {
+            let unsupported = || start_error("start the workers")(io::ErrorKind::Unsupported.into());
+            let start_workers = start_workers.ok_or_else(unsupported)?;
             let board = Board::private(&layout).map_err(start_error("make the board of the run"))?;
             let board = Arc::new(board);
             if let Some(live_observer) = &mut live_observer {
                 live_observer.begin(&board);
             }
-            let loop_here = start_workers(request, &board).map_err(start_error("start the workers"))?;
-            supervise_loop(loop_here, signals, Supervision::new(request, &board, recorder, live_observer, console))
+            let loop_here = start_workers(program, spec, &board).map_err(start_error("start the workers"))?;
+            supervise_loop(loop_here, signals, Supervision::new(spec, saving, &board, recorder, live_observer, console))
         }
     }
 }
@@ -144,7 +149,8 @@ struct Supervision<'a, W: Write> {
 
 impl<'a, W: Write> Supervision<'a, W> {
     fn new(
-        request: &SuperviseRequest<'a>,
+        spec: &'a RunSpec,
+        saving: &'a Saving,
         board: &'a Board,
         recorder: Recorder,
         live_observer: Option<&'a mut (dyn LiveObserver + 'static)>,
@@ -152,8 +158,8 @@ impl<'a, W: Write> Supervision<'a, W> {
     ) -> Self {
         let now = Instant::now();
         Self {
-            spec: request.spec,
-            saving: request.saving,
+            spec,
+            saving,
             kept: Vec::new(),
             board,
             console,
@@ -164,7 +170,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             polled: now,
             log_order: LogOrder::default(),
             // Where each instance has a process of its own, the coordinator limits the time of its replies.
-            calls: request.step_timeout.filter(|_| matches!(request.placement, Placement::Together)).map(Watchdog::new),
+            calls: spec.options.step_timeout.filter(|_| spec.worker_of.is_none()).map(Watchdog::new),
             exit_deadline: Watchdog::new(EXIT_DEADLINE),
             last_row: None,
             finish: None,

@@ -5,6 +5,7 @@ pub mod instantiate;
 pub mod message;
 mod pace;
 pub mod prepared_run;
+pub mod run_options;
 pub mod run_spec;
 pub mod step_loop;
 pub mod stepping;

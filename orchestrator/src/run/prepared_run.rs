@@ -4,6 +4,7 @@ use super::run_spec::RunSpec;
 use results::checkpoint::Saving;
 use results::run_folder::RunFolder;
 use results::run_record::RunRecord;
+use std::sync::Arc;
 use tempfile::TempDir;
 
 /// A run that can begin.
@@ -17,8 +18,8 @@ pub struct PreparedRun {
     pub record: RunRecord,
     /// The folder of the results, locked.
     pub folder: RunFolder,
-    /// Unpacked units and the board; gone when this is dropped.
-    pub home: TempDir,
+    /// The private folder with unpacked units and the board; removed when the last value that refers to it is dropped.
+    pub home: Arc<TempDir>,
     /// The script as the user named it.
     pub script: String,
 }

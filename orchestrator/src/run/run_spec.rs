@@ -1,5 +1,6 @@
 //! What the parent of a run hands to the process that steps it.
 
+use crate::run::run_options::RunOptions;
 use crate::run::step_loop::Checkpoint;
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;
@@ -25,20 +26,15 @@ pub struct RunSpec {
     /// The board's file.
     #[serde(with = "path_bytes")]
     pub board: PathBuf,
-    /// End as soon as a claim is lost.
-    pub fail_fast: bool,
-    /// Write the trace; not with `--record none`.
-    pub record: bool,
-    /// The run may be watched: the loop hands rows over even if they are not written.
-    pub live: bool,
-    /// Simulated seconds for each second of the wall clock (`--pace`); `None` for as fast as it goes.
-    pub pace: Option<f64>,
+    /// How it is run.
+    pub options: RunOptions,
+    /// For each instance the worker process that holds it, numbered from 0 without gaps; `None` if one child process holds
+    /// all instances and the loop.
+    pub worker_of: Option<Vec<usize>>,
     /// When the run is to be saved; each tick occurs once.
     pub saves: Vec<SaveSpec>,
     /// Where the run continues; `None` for the start.
     pub from: Option<Checkpoint>,
-    /// The instances whose calls are logged (`--log-fmi-calls`).
-    pub log_calls: Vec<usize>,
 }
 
 impl RunSpec {
@@ -46,12 +42,6 @@ impl RunSpec {
     #[must_use]
     pub fn from_s(&self) -> f64 {
         self.from.as_ref().map_or(0.0, |checkpoint| seconds(checkpoint.tick, self.scenario.step_ns))
-    }
-
-    /// Whether the loop hands over rows.
-    #[must_use]
-    pub fn hands_over_rows(&self) -> bool {
-        self.record || self.live
     }
 }
 

@@ -18,26 +18,18 @@ use crate::flatten::expression::Moment;
 use crate::flatten::values::Values;
 use crate::flatten::wiring::{OverrideState, Wave, Wiring};
 use crate::run::message::{Finish, Reason};
+use crate::run::run_options::RunOptions;
 use crate::run::worker::{Order, Shutdown, Terminated, Worker};
 use gather::UnderWay;
 use std::ops::Range;
 use unit::failure::Failure;
-
-/// The options of a run besides its scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LoopOptions {
-    /// End as soon as a claim is lost.
-    pub fail_fast: bool,
-    /// Hand over rows.
-    pub record: bool,
-}
 
 /// A run of a scenario.
 pub struct StepLoop<'a, W> {
     wiring: Wiring,
     workers: Vec<Box<dyn Worker + 'a>>,
     claims: Claims,
-    options: LoopOptions,
+    options: RunOptions,
     observer: W,
     /// The outputs that `->`, claims and rows read: those of steps that have ended by this tick.
     visible: Values,
@@ -68,7 +60,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
         wiring: Wiring,
         claims: Claims,
         workers: Vec<Box<dyn Worker + 'a>>,
-        options: LoopOptions,
+        options: RunOptions,
         observer: W,
     ) -> Self {
         Self {
@@ -214,7 +206,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
 
     /// Hands over the row of this tick.
     fn record(&mut self, tick: u64) {
-        if self.options.record {
+        if self.options.hands_over_rows() {
             self.wiring.row.fill(&self.visible, &self.inputs, &mut self.row);
             self.observer.row(tick, &self.row);
         }

@@ -12,7 +12,7 @@ use crate::flatten::claims::Claims;
 use crate::flatten::wiring::Wiring;
 use crate::run::message::{Finish, Message};
 use crate::run::run_spec::RunSpec;
-use crate::run::step_loop::{LoopOptions, StepLoop};
+use crate::run::step_loop::StepLoop;
 use crate::run::worker::{InProcess, Instantiated, Shutdown, Worker};
 use std::sync::Arc;
 use unit::board::Board;
@@ -64,7 +64,7 @@ fn instantiate_all(spec: &RunSpec, board: &Arc<Board>, made: &mut Vec<Instantiat
     let instances = spec.scenario.instances.iter().zip(&spec.unit_of).enumerate();
     let instances = instances.map(|(index, (instance, &unit))| {
         let (name, presets) = (instance.name.as_str(), instance.presets.as_slice());
-        NewInstance { index, name, unit, presets, log_calls: spec.log_calls.contains(&index) }
+        NewInstance { index, name, unit, presets, log_calls: spec.options.logs_calls_of(name) }
     });
     instantiator.make(instances, made)?;
     enter_initialization(made, &note)
@@ -83,10 +83,9 @@ fn step_loop<'a>(
 ) -> StepLoop<'a, BoardObserver<'a>> {
     let scenario = &spec.scenario;
     let claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
-    let pace = spec.pace.map(|pace| Pace::new(pace, scenario.step_ns));
+    let pace = spec.options.pace.map(|pace| Pace::new(pace, scenario.step_ns));
     let observer = BoardObserver::new(board, pace, &spec.saves);
-    let options = LoopOptions { fail_fast: spec.fail_fast, record: spec.hands_over_rows() };
-    StepLoop::new(wiring, claims, workers, options, observer)
+    StepLoop::new(wiring, claims, workers, spec.options.clone(), observer)
 }
 
 fn report_end(board: &Board, end: Result<Finish, Failure>) {

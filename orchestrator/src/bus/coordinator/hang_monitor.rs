@@ -42,7 +42,7 @@ impl HangMonitor {
         Self { step_timeout, workers: Mutex::new(boards.iter().map(monitored).collect()) }
     }
 
-    /// Restarts the time of a worker: an order is sent to it, and the time in which it had none does not count.
+    /// Restarts the time of a worker: it begins an order. The time in which it had none does not count.
     pub fn restart(&self, number: usize) {
         let mut workers = self.workers.lock().unwrap_or_else(PoisonError::into_inner);
         let MonitoredWorker { call, heartbeat, .. } = &mut workers[number];

@@ -1,13 +1,15 @@
-//! A run with a process for each instance: the step loop is a thread of this process, the workers are its children.
+//! A run whose instances live in worker processes: the step loop is a thread of this process, the workers are its children.
 //!
 //! The step loop needs no process of its own, as this process loads no unit that could crash it.
 
 use super::worker_processes::WorkerProcesses;
 use super::worker_set::WorkerSet;
-use crate::host::supervise::{Stepping, SuperviseRequest};
+use crate::host::supervise::Stepping;
 use crate::run::board_observer;
+use crate::run::run_spec::RunSpec;
 use crate::run::stepping::step_run_with;
 use std::io;
+use std::path::Path;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
@@ -24,28 +26,27 @@ struct Isolated {
     thread: JoinHandle<()>,
 }
 
-/// Starts a worker process for each instance, and the step loop; see [`StartWorkers`](crate::host::supervise::StartWorkers).
+/// Starts the worker processes of a run and the step loop; see [`StartWorkers`](crate::host::supervise::StartWorkers).
 ///
 /// # Errors
 /// As for [`Isolated::start`].
-pub fn start_isolated(request: &SuperviseRequest<'_>, board: &Arc<Board>) -> io::Result<Box<dyn Stepping>> {
-    Ok(Box::new(Isolated::start(request, board)?))
+pub fn start_isolated(program: &Path, spec: &RunSpec, board: &Arc<Board>) -> io::Result<Box<dyn Stepping>> {
+    Ok(Box::new(Isolated::start(program, spec, board)?))
 }
 
 impl Isolated {
-    /// Starts a worker for each instance, and the step loop. Rows, messages and claims go to this board.
+    /// Starts as many workers as the run has and the step loop. Rows, messages and claims go to this board.
     ///
     /// # Errors
     /// A process cannot be started, or its board cannot be made.
-    fn start(request: &SuperviseRequest<'_>, board: &Arc<Board>) -> io::Result<Self> {
-        let spec = request.spec.clone();
-        let home = request.spec.board.parent().unwrap_or(&request.spec.board);
-        let count = spec.scenario.instances.len();
-        let workers = WorkerSet::start(&request.program, home, count, request.step_timeout)?;
+    fn start(program: &Path, spec: &RunSpec, board: &Arc<Board>) -> io::Result<Self> {
+        let (spec, worker_of) = (spec.clone(), spec.worker_of.clone().unwrap_or_default());
+        let home = spec.board.parent().unwrap_or(&spec.board);
+        let count = worker_of.iter().max().map_or(0, |last| last + 1);
+        let workers = WorkerSet::start(program, home, count, spec.options.step_timeout)?;
         let (processes, board) = (workers.processes(), Arc::clone(board));
         let children = Arc::clone(&processes);
         let step = move || {
-            let worker_of: Vec<_> = (0..count).collect();
             step_run_with(&spec, &board, &worker_of, |wiring| {
                 workers.initialize(&spec, wiring, &board_observer::sink(&board))
             });

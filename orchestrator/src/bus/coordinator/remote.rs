@@ -60,7 +60,9 @@ pub struct Remote<'a> {
     /// Its groups by their number in the run, each with its number in this worker.
     groups: BTreeMap<usize, (u16, GroupSpec)>,
     request: OpenRequest,
+    /// How many orders were sent, and how many replies to them have arrived.
     orders: u64,
+    replies: u64,
     /// Orders of steps whose replies were not taken yet, by the group's number in the run.
     under_way: BTreeMap<usize, PendingOrder>,
     /// Replies that arrived while another one was awaited, by the number of their order.
@@ -113,6 +115,7 @@ impl<'a> Remote<'a> {
             groups,
             request,
             orders: 0,
+            replies: 0,
             under_way: BTreeMap::new(),
             early: BTreeMap::new(),
             dead: None,
@@ -176,7 +179,10 @@ impl<'a> Remote<'a> {
 
     fn send(&mut self, header: Header, message: Vec<u8>) -> Result<PendingOrder, Lost> {
         let WorkerHandle { address: Address { number, .. }, hang_monitor, .. } = &self.handle;
-        hang_monitor.restart(*number);
+        // With orders left to execute, its time goes on: a call that hangs may be that of an earlier order.
+        if self.orders <= self.replies + 1 {
+            hang_monitor.restart(*number);
+        }
         let sent = match &self.link {
             Some(link) => link.send(message, |waited| hang_monitor.check(*number, waited)),
             None => Err(Cause::Other("its worker hung up".to_owned())),
@@ -272,7 +278,8 @@ impl Worker for Remote<'_> {
             return Ok(());
         }
         // Steps that end after the run: their results are not needed, but their log messages are shown.
-        for pending in std::mem::take(&mut self.under_way).into_values() {
+        // One by one: the reply to an order that is still in `under_way` may arrive while another one is awaited.
+        while let Some((_, pending)) = self.under_way.pop_first() {
             self.drain(pending)?;
         }
         let pending = self.send_order(Kind::Finish, tick, &[])?;
@@ -315,7 +322,7 @@ fn request(spec: &RunSpec, ports: &[(usize, InstancePorts)], groups: Vec<GroupSp
             name: instance.name.clone(),
             unit: unit_of(*index),
             presets: instance.presets.clone(),
-            log_calls: spec.log_calls.contains(index),
+            log_calls: spec.options.logs_calls_of(&instance.name),
             inputs: variables(&ports.inputs),
             outputs: variables(&ports.outputs),
         }

@@ -1,4 +1,4 @@
-//! The workers of a run: a process for each instance, started and brought into initialization mode at the same time.
+//! The workers of a run: processes that are started and brought into initialization mode at the same time.
 
 use super::hang_monitor::HangMonitor;
 use super::remote::{Remote, WorkerHandle};
@@ -9,7 +9,7 @@ use crate::bus::worker::Address;
 use crate::flatten::wiring::Wiring;
 use crate::run::message::MessageSink;
 use crate::run::run_spec::RunSpec;
-use crate::run::worker::{Shutdown, Worker};
+use crate::run::worker::{Lost, Shutdown, Worker};
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -59,7 +59,7 @@ impl WorkerSet {
     /// log messages of units.
     ///
     /// # Errors
-    /// The failure of the first worker in the script's order; the other connected workers are ordered to end.
+    /// The failure of the first instance in the script's order; the other connected workers are ordered to end.
     pub fn initialize<'a>(
         self,
         spec: &'a RunSpec,
@@ -81,13 +81,10 @@ impl WorkerSet {
         let mut remotes = connected.into_iter().collect::<Result<Vec<_>, _>>()?;
         for step in [Remote::shake_hands, Remote::open, Remote::enter] {
             let pending: Vec<_> = remotes.iter_mut().map(step).collect();
-            let mut failed = None;
-            for (remote, pending) in remotes.iter_mut().zip(pending) {
-                if let Err(lost) = pending.and_then(|pending| remote.confirm(pending)) {
-                    failed.get_or_insert(lost.failure);
-                }
-            }
-            if let Some(failure) = failed {
+            let confirmed = remotes.iter_mut().zip(pending);
+            let confirmed = confirmed.map(|(remote, pending)| pending.and_then(|pending| remote.confirm(pending)));
+            let lost: Vec<_> = confirmed.filter_map(Result::err).collect();
+            if let Some(Lost { failure, .. }) = lost.into_iter().min_by_key(|lost| lost.instance) {
                 for remote in &mut remotes {
                     // The run has failed already; a second failure here would hide the first.
                     remote.finish(0, Shutdown::Immediate).ok();

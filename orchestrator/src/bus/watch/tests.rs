@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::example::{description, scenario};
+use crate::run::run_options::RunOptions;
 use crate::run::run_spec::UnitSpec;
 use dsl::scenario::{Column, Port};
 use serde_json::Value;
@@ -25,13 +26,10 @@ fn spec() -> RunSpec {
         unit_of: vec![0],
         folder: PathBuf::new(),
         board: PathBuf::new(),
-        fail_fast: false,
-        record: false,
-        live: true,
-        pace: None,
+        options: RunOptions { live: true, ..RunOptions::default() },
+        worker_of: None,
         saves: Vec::new(),
         from: None,
-        log_calls: Vec::new(),
     }
 }
 

@@ -18,6 +18,11 @@ pub(super) struct Live {
 }
 
 impl Live {
+    /// Whether the run can be watched.
+    pub fn is_on(&self) -> bool {
+        self.live.is_some() || self.live_every_tick
+    }
+
     /// Listens where the command line says, if it does.
     pub fn listen(&self) -> Result<Option<Listening>, Refusal> {
         let unnamed = self.live_every_tick.then_some(ANY_LOCAL_PORT);
@@ -33,13 +38,12 @@ impl Live {
     }
 
     /// Makes a run one that can be watched, and tells how.
-    pub fn show(&self, listening: Option<Listening>, mut run: PreparedRun) -> Result<ReadyRun, Refusal> {
+    pub fn show(&self, listening: Option<Listening>, run: PreparedRun) -> Result<ReadyRun, Refusal> {
         let Some(listening) = listening else { return Ok(run.into()) };
         let rate = if self.live_every_tick { Rate::EveryTick } else { Rate::Sample };
         let addresses = listening.addresses().to_vec();
         let watch = Watch::new(listening, &run.spec, rate).map_err(|error| refusal(&error))?;
         status(&told(watch.run(), &addresses));
-        run.spec.live = true;
         Ok(ReadyRun { run, observer: Some(Box::new(watch)) })
     }
 }

@@ -1,6 +1,7 @@
 //! What a run saves and where it continues from: checked before it begins.
 
 use super::Refusal;
+use crate::run::run_options::RunOptions;
 use crate::run::run_spec::UnitSpec;
 use crate::run::step_loop::Checkpoint;
 use dsl::scenario::Scenario;
@@ -11,15 +12,6 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use unit::time::seconds;
 
-/// What is wished for.
-#[derive(Clone, Debug, Default)]
-pub struct CheckpointOptions {
-    /// When to save, and to which files.
-    pub saves: Vec<(Duration, PathBuf)>,
-    /// The file to continue from.
-    pub from: Option<PathBuf>,
-}
-
 /// A run that is ready to be prepared, as far as checkpoints have to do with it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate<'a> {
@@ -29,7 +21,7 @@ pub(super) struct Candidate<'a> {
     pub record: &'a RunRecord,
 }
 
-/// What becomes of the wishes.
+/// The checkpoints of a run: those to write, and the one that it continues from.
 #[derive(Debug, Default)]
 pub(super) struct Checkpoints {
     pub saving: Saving,
@@ -37,19 +29,19 @@ pub(super) struct Checkpoints {
 }
 
 impl Candidate<'_> {
-    /// Fulfils the wishes as far as that can be done before the run.
+    /// Finds the ticks and files to save at, and reads the checkpoint to continue from.
     ///
     /// # Errors
     /// Units that cannot be saved, times at which nothing can be saved, a file that cannot be continued from.
-    pub fn checkpoints(&self, wishes: &CheckpointOptions) -> Result<Checkpoints, Refusal> {
-        if wishes.saves.is_empty() && wishes.from.is_none() {
+    pub fn checkpoints(&self, options: &RunOptions) -> Result<Checkpoints, Refusal> {
+        if options.save_at.is_empty() && options.from.is_none() {
             return Ok(Checkpoints::default());
         }
         self.refuse_units_without_states()?;
         let identity = Identity::of(self.record, self.scenario.step_ns);
-        let from = wishes.from.as_deref().map(|file| self.read(file, &identity)).transpose()?;
+        let from = options.from.as_deref().map(|file| self.read(file, &identity)).transpose()?;
         let first_tick = from.as_ref().map_or(0, |(checkpoint, _)| checkpoint.tick + 1);
-        let files = wishes.saves.iter().map(|(time, file)| self.save(*time, file, first_tick));
+        let files = options.save_at.iter().map(|(time, file)| self.save(*time, file, first_tick));
         Ok(Checkpoints { saving: Saving { identity, files: files.collect::<Result<_, _>>()? }, from })
     }
 

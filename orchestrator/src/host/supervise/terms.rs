@@ -1,44 +1,19 @@
-//! The types of supervision: its request, its result, and what it supervises.
+//! The types of supervision: its result and what it supervises.
 
 use crate::run::message::Finish;
 use crate::run::run_spec::RunSpec;
 use results::TraceError;
-use results::checkpoint::Saving;
 use results::verdict::Standing;
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use std::{fmt, io};
 use unit::board::Board;
 use unit::failure::{Cause, Failure};
 
-/// The request to supervise a run.
-#[derive(Clone, Debug)]
-pub struct SuperviseRequest<'a> {
-    /// What to run.
-    pub spec: &'a RunSpec,
-    /// The checkpoints that it is to leave.
-    pub saving: &'a Saving,
-    /// The program that knows the subcommand `step-loop`.
-    pub program: PathBuf,
-    /// How long a call of a unit may take; `None` waits for ever.
-    pub step_timeout: Option<Duration>,
-    /// Where the instances live.
-    pub placement: Placement,
-}
-
-/// Where the instances of a run live. The results are the same.
-#[derive(Clone, Copy, Debug, Default)]
-pub enum Placement {
-    /// All of them in one child process, with the loop.
-    #[default]
-    Together,
-    /// Each in a process of its own, which this function starts; the loop is here.
-    Isolated(StartWorkers),
-}
-
-/// Starts the workers of a run and its loop, which writes rows, messages and claims to this board.
-pub type StartWorkers = fn(&SuperviseRequest<'_>, &Arc<Board>) -> io::Result<Box<dyn Stepping>>;
+/// Starts the workers of a run, which are processes of this program, and its loop, which writes rows, messages and claims
+/// to this board.
+pub type StartWorkers = fn(&Path, &RunSpec, &Arc<Board>) -> io::Result<Box<dyn Stepping>>;
 
 /// The process or thread that steps a run, seen by its supervisor.
 pub trait Stepping {

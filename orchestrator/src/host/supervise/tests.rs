@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::example::{claim, record, scenario};
+use crate::run::run_options::RunOptions;
 use fmi2::calls::Call;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use results::report::console::Style;
@@ -10,7 +11,7 @@ use results::run_record::RunState;
 use results::signals::{self, Signal};
 use std::fs::File;
 use std::os::unix::process::ExitStatusExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitStatus;
 use tempfile::TempDir;
 use unit::board::ClaimNote;
@@ -39,11 +40,8 @@ impl Run {
             unit_of: vec![0],
             folder: home.path().to_owned(),
             board: home.path().join("board"),
-            fail_fast: false,
-            pace: None,
-            log_calls: vec![],
-            record: true,
-            live: false,
+            options: RunOptions { record: true, ..RunOptions::default() },
+            worker_of: None,
             saves: vec![],
             from: None,
         };
@@ -51,9 +49,14 @@ impl Run {
         Self { home, spec, saving: Saving::default(), board }
     }
 
-    fn request(&self, program: &str) -> SuperviseRequest<'_> {
-        let (program, placement) = (PathBuf::from(program), Placement::Together);
-        SuperviseRequest { spec: &self.spec, saving: &self.saving, program, step_timeout: None, placement }
+    fn supervise(
+        &self,
+        program: &str,
+        live_observer: Option<&mut (dyn LiveObserver + 'static)>,
+    ) -> Result<RunEnd, SuperviseError> {
+        let mut console = Console::new(Vec::new(), Style::Tenths);
+        let program = Path::new(program);
+        supervise(&self.spec, &self.saving, program, None, Recorder::default(), live_observer, &mut console)
     }
 
     fn rows(&self, count: u64) {
@@ -78,8 +81,7 @@ impl Run {
         let mut recorder = Recorder::default();
         recorder.begin_rows(&folder, self.spec.scenario.step_ns, &signals).unwrap();
         let mut console = Console::new(Vec::new(), Style::Tenths);
-        let request = self.request("");
-        let mut supervision = Supervision::new(&request, &self.board, recorder, None, &mut console);
+        let mut supervision = Supervision::new(&self.spec, &self.saving, &self.board, recorder, None, &mut console);
         supervision.drain().unwrap();
         let ended = supervision.conclude(cause_of_death(ExitStatus::from_raw(status)), None).unwrap();
         (ended, String::from_utf8(console.into_inner()).unwrap())
@@ -130,8 +132,10 @@ fn a_live_observer_gets_every_row_even_if_none_is_written() {
     let run = Run::new();
     run.rows(3);
     let (mut observer, mut console) = (RecordingObserver::default(), Console::new(Vec::new(), Style::Tenths));
-    let request = run.request("");
-    Supervision::new(&request, &run.board, Recorder::default(), Some(&mut observer), &mut console).drain().unwrap();
+    let recorder = Recorder::default();
+    let mut supervision =
+        Supervision::new(&run.spec, &run.saving, &run.board, recorder, Some(&mut observer), &mut console);
+    supervision.drain().unwrap();
     assert_eq!(observer.rows, [0, 1, 2].map(|tick| (tick, (tick as f64).to_bits())));
 }
 
@@ -139,9 +143,7 @@ fn a_live_observer_gets_every_row_even_if_none_is_written() {
 fn a_live_observer_is_called_when_a_run_begins() {
     let run = Run::new();
     let mut observer = RecordingObserver::default();
-    let request = run.request("/bin/true");
-    supervise(&request, Recorder::default(), Some(&mut observer), &mut Console::new(Vec::new(), Style::Tenths))
-        .unwrap();
+    run.supervise("/bin/true", Some(&mut observer)).unwrap();
     assert!(observer.begun);
 }
 
@@ -183,8 +185,7 @@ fn what_the_run_says_about_its_break_counts_more_than_how_its_process_ended() {
 fn a_death_is_kept_when_the_last_rows_cannot_be_written() {
     let run = Run::new();
     let mut console = Console::new(Vec::new(), Style::Tenths);
-    let request = run.request("");
-    let supervision = Supervision::new(&request, &run.board, Recorder::default(), None, &mut console);
+    let supervision = Supervision::new(&run.spec, &run.saving, &run.board, Recorder::default(), None, &mut console);
     let full = TraceError::io("write", Path::new("trace.csv"))(io::ErrorKind::StorageFull.into());
     let error = supervision.conclude(Cause::Signal(DIED_OF_SIGSEGV), Some(full)).unwrap_err();
     let SuperviseError::Broken { failure, .. } = &error else { panic!("{error:?}") };
@@ -215,18 +216,13 @@ fn what_units_say_is_printed_in_order() {
 #[test]
 fn a_program_that_ends_at_once_breaks_the_run() {
     let run = Run::new();
-    let request = run.request("/bin/true");
-    let mut console = Console::new(Vec::new(), Style::Tenths);
-    let ended = supervise(&request, Recorder::default(), None, &mut console).unwrap();
+    let ended = run.supervise("/bin/true", None).unwrap();
     assert_eq!(ended.failure.unwrap().to_string(), "the stepping process ended (exit code 0) between calls at 0 s");
 }
 
 #[test]
 fn a_program_that_cannot_be_started_is_an_error() {
     let run = Run::new();
-    let request = run.request("/no/such/program");
-    let error = supervise(&request, Recorder::default(), None, &mut Console::new(Vec::new(), Style::Tenths))
-        .unwrap_err()
-        .to_string();
+    let error = run.supervise("/no/such/program", None).unwrap_err().to_string();
     assert!(error.starts_with("cannot start the stepping process: "), "{error}");
 }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::run::message::Reason;
+use crate::run::run_options::RunOptions;
 use crate::run::run_spec::UnitSpec;
 use ::tests::foreign::Foreign;
 use dsl::scenario::{
@@ -75,21 +76,8 @@ pub(crate) fn spec(ticks: u64, unit: &Unpacked) -> RunSpec {
     let units = vec![UnitSpec { name, folder, description, sha256 }];
     let (folder, board) = (PathBuf::new(), PathBuf::new());
     let (scenario, unit_of) = (scenario(ticks), vec![0, 0]);
-    let (saves, from, log_calls) = (Vec::new(), None, Vec::new());
-    RunSpec {
-        scenario,
-        units,
-        unit_of,
-        folder,
-        board,
-        fail_fast: true,
-        record: true,
-        live: false,
-        pace: None,
-        saves,
-        from,
-        log_calls,
-    }
+    let options = RunOptions { fail_fast: true, record: true, ..RunOptions::default() };
+    RunSpec { scenario, units, unit_of, folder, board, options, worker_of: None, saves: Vec::new(), from: None }
 }
 
 #[test]

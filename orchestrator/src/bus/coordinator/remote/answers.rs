@@ -201,15 +201,18 @@ impl Remote<'_> {
         loop {
             let began = Instant::now();
             match self.next_event(CHECK_PERIOD) {
-                Ok(LinkEvent::Message(message)) => match sequence_of(&message) {
-                    Some(sequence) if self.is_pending(sequence) => drop(self.early.insert(sequence, message)),
-                    Some(sequence) if sequence != order.sequence => {
-                        let text = format!("its worker answered order {sequence}, expected {}", order.sequence);
-                        return Err(self.give_up(order.tick, Cause::Other(text)));
+                Ok(LinkEvent::Message(message)) => {
+                    self.count_reply();
+                    match sequence_of(&message) {
+                        Some(sequence) if self.is_pending(sequence) => drop(self.early.insert(sequence, message)),
+                        Some(sequence) if sequence != order.sequence => {
+                            let text = format!("its worker answered order {sequence}, expected {}", order.sequence);
+                            return Err(self.give_up(order.tick, Cause::Other(text)));
+                        }
+                        // Also an invalid message, whose defect is reported when it is decoded.
+                        _ => return Ok(message),
                     }
-                    // Also an invalid message, whose defect is reported when it is decoded.
-                    _ => return Ok(message),
-                },
+                }
                 Ok(LinkEvent::Gone) | Err(RecvTimeoutError::Disconnected) => return Err(self.died(order.tick)),
                 Ok(LinkEvent::Ready) => {}
                 Err(RecvTimeoutError::Timeout) if self.handle.processes.ended(self.handle.address.number).is_some() => {
@@ -220,6 +223,14 @@ impl Remote<'_> {
             if let Some(cause) = self.handle.hang_monitor.check(self.handle.address.number, began.elapsed()) {
                 return Err(self.give_up(order.tick, cause));
             }
+        }
+    }
+
+    /// Counts a reply. If there are more orders, the worker begins the next one, whose time starts now.
+    fn count_reply(&mut self) {
+        self.replies += 1;
+        if self.replies < self.orders {
+            self.handle.hang_monitor.restart(self.handle.address.number);
         }
     }
 

@@ -4,7 +4,8 @@ use crate::flatten::claims::Claims;
 use crate::flatten::values::Values;
 use crate::flatten::wiring::{VariableSlot, Wiring};
 use crate::run::message::Finish;
-use crate::run::step_loop::{Checkpoint, LoopOptions, Observer, StepLoop};
+use crate::run::run_options::RunOptions;
+use crate::run::step_loop::{Checkpoint, Observer, StepLoop};
 use crate::run::worker::{Lost, Order, Reply, Shutdown, Terminated, Ticket, Worker};
 use dsl::scenario::{
     Column, Connection, Drive, Event, Formula, InitialStep, Instance, Port, RealExpression, Scenario, Set, TickWindow,
@@ -188,7 +189,7 @@ impl Script {
             checkpoints: Vec::new(),
         };
         seen.standings.resize(self.scenario.claims.len(), None);
-        let options = LoopOptions { fail_fast: self.fail_fast, record: true };
+        let options = RunOptions { fail_fast: self.fail_fast, record: true, ..RunOptions::default() };
         let result = StepLoop::new(wiring, claims, workers, options, &mut seen).run(self.from.as_ref());
         let standings: Vec<_> = seen.standings.into_iter().flatten().collect();
         let verdicts = standings.iter().map(|standing| standing.verdict).collect();
