@@ -123,7 +123,6 @@ fn spec(unit: &Unit, count: usize) -> RunSpec {
     RunSpec {
         scenario,
         units,
-        unit_of: vec![0; count],
         folder,
         board,
         fail_fast: false,

@@ -81,15 +81,13 @@ pub fn prepare(mut script: Script, wanted: PrepareOptions) -> Result<PreparedRun
     let home = TempDir::with_prefix(HOME_PREFIX)
         .map_err(|error| Refusal::new(&format!("cannot make a folder for the units: {error}"), None))?;
     let (units, hashes) = unpack_all(&script, home.path())?;
-    let unit_of: Vec<_> = scenario.instances.iter().map(|instance| unit_of(&units, &instance.unit)).collect();
     let mut record = record(&script, &scenario, hashes, files);
-    let candidate = Candidate { scenario: &scenario, units: &units, unit_of: &unit_of, record: &record };
+    let candidate = Candidate { scenario: &scenario, units: &units, record: &record };
     let Checkpoints { saving, from } = candidate.checkpoints(&wanted.checkpoints)?;
     let (from, continued) = from.unzip();
     record.from = continued;
     let folder = RunFolder::claim(&wanted.out, &record).map_err(|error| Refusal::new(&error, error.help()))?;
     let spec = RunSpec {
-        unit_of,
         scenario,
         folder: script.folder.canonicalize().unwrap_or_else(|_| script.folder.clone()),
         board: home.path().join("board"),
@@ -109,13 +107,6 @@ pub fn prepare(mut script: Script, wanted: PrepareOptions) -> Result<PreparedRun
 fn saves(saving: &Saving, home: &Path) -> Vec<SaveSpec> {
     let ticks: BTreeSet<_> = saving.files.iter().map(|(tick, _)| *tick).collect();
     ticks.into_iter().map(|tick| SaveSpec { tick, file: home.join(format!("checkpoint{tick}")) }).collect()
-}
-
-fn unit_of(units: &[UnitSpec], name: &str) -> usize {
-    match units.iter().position(|unit| unit.name == name) {
-        Some(unit) => unit,
-        None => unreachable!("a resolved script has found all of its units"),
-    }
 }
 
 /// The instances of these names, each once.

@@ -22,7 +22,6 @@ fn spec() -> RunSpec {
     RunSpec {
         scenario,
         units: vec![unit],
-        unit_of: vec![0],
         folder: PathBuf::new(),
         board: PathBuf::new(),
         fail_fast: false,

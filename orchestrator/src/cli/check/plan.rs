@@ -41,14 +41,15 @@ impl Plan<'_> {
     }
 
     fn units(&self) -> String {
-        let instances = &self.scenario.instances;
+        let Scenario { instances, units, .. } = self.scenario;
         let name_width = width(instances.iter().map(|instance| instance.name.as_str()));
-        let unit_width = width(instances.iter().map(|instance| instance.unit.as_str())) + 2;
+        let unit_width = width(units.iter().map(|unit| unit.name.as_str())) + 2;
         let mut in_order: Vec<_> = instances.iter().collect();
         in_order.sort_by_key(|instance| instance.wave);
         let mut text = String::from("units: those of one wave step together, waves one after the other\n");
         for instance in in_order {
-            let (unit, period) = (format!("\"{}\"", instance.unit), duration(instance.every * self.scenario.step_ns));
+            let (unit, period) =
+                (format!("\"{}\"", units[instance.unit].name), duration(instance.every * self.scenario.step_ns));
             let _ = writeln!(
                 text,
                 "  wave {}  {:<name_width$}  {unit:<unit_width$}  every {period}",

@@ -36,7 +36,6 @@ impl Run {
         let spec = RunSpec {
             scenario,
             units: vec![],
-            unit_of: vec![0],
             folder: home.path().to_owned(),
             board: home.path().join("board"),
             fail_fast: false,
