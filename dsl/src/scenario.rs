@@ -25,6 +25,8 @@ pub struct Scenario {
     pub stop_tick: u64,
     /// The parameters with the values of this run, in order of declaration, `seed` last unless declared.
     pub parameters: Vec<Parameter>,
+    /// The units, each once, in order of first use.
+    pub units: Vec<Unit>,
     /// The units under their names, in order of declaration.
     pub instances: Vec<Instance>,
     /// How initialization carries values, in an order that respects the units' declared dependencies.
@@ -52,13 +54,20 @@ pub struct Parameter {
     pub set: bool,
 }
 
+/// A unit as messages call it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Unit {
+    /// As the script wrote it: a path that ends in `.fmu`, or a name.
+    pub name: String,
+}
+
 /// A unit under a name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Instance {
     /// The name in the script.
     pub name: String,
-    /// The unit as the script wrote it: a path that ends in `.fmu`, or a name.
-    pub unit: String,
+    /// Index into [`Scenario::units`].
+    pub unit: usize,
     /// The period in ticks.
     pub every: u64,
     /// The wave in which it steps: 0, or one more than the last of its `=>` sources.

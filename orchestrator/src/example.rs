@@ -1,6 +1,6 @@
 //! A small scenario, claim, run record and model description for tests.
 
-use dsl::scenario::{BooleanExpression, Claim, Formula, Instance, Parameter, Scenario};
+use dsl::scenario::{BooleanExpression, Claim, Formula, Instance, Parameter, Scenario, Unit};
 use fmi2::description::{
     Causality, Item, Kind, ModelDescription, Position, RealAttributes, RealVariable, SimpleType, TypeKind, Variability,
     Variable,
@@ -15,13 +15,8 @@ pub fn scenario() -> Scenario {
         step_ns: 10_000_000,
         stop_tick: 9000,
         parameters: vec![parameter("gust", "4 m/s", true), parameter("seed", "1", false)],
-        instances: vec![Instance {
-            name: "quad".to_owned(),
-            unit: "quadcopter".to_owned(),
-            every: 1,
-            wave: 0,
-            presets: vec![],
-        }],
+        units: vec![Unit { name: "quadcopter".to_owned() }],
+        instances: vec![Instance { name: "quad".to_owned(), unit: 0, every: 1, wave: 0, presets: vec![] }],
         initialization: vec![],
         connections: vec![],
         events: vec![],

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
 
 use dsl::scenario::{
-    BooleanExpression, Column, Connection, Drive, Event, Instance, Port, Preset, Scenario, Set, Value,
+    BooleanExpression, Column, Connection, Drive, Event, Instance, Port, Preset, Scenario, Set, Unit, Value,
 };
 use fmi2::calls::Call;
 use orchestrator::run::message::{Finish, Message, Reason};
@@ -34,7 +34,7 @@ fn port(instance: usize, variable: usize) -> Port {
 fn scenario() -> Scenario {
     let instance = |name: &str, gain| Instance {
         name: name.to_owned(),
-        unit: "foreign.fmu".to_owned(),
+        unit: 0,
         every: 1,
         wave: 0,
         presets: vec![
@@ -50,6 +50,7 @@ fn scenario() -> Scenario {
         step_ns: 500_000_000,
         stop_tick: 10,
         parameters: Vec::new(),
+        units: vec![Unit { name: "foreign.fmu".to_owned() }],
         instances: vec![instance("a", 2.0), instance("b", 1.0)],
         initialization: Vec::new(),
         connections: vec![Connection { target: port(1, U), source: Drive::Copy(port(0, Y)), direct: false }],
@@ -82,12 +83,10 @@ fn step_run(scenario: Scenario, foreign: &Foreign) -> Ran {
         sha256: unpacked.sha256,
     };
     let layout = BoardLayout { notes: 1, columns: scenario.columns.len(), claims: 0 };
-    let unit_of = vec![0; scenario.instances.len()];
     let (folder, board) = (PathBuf::new(), PathBuf::new());
     let spec = RunSpec {
         scenario,
         units: vec![unit],
-        unit_of,
         folder,
         board,
         options: RunOptions { record: true, ..RunOptions::default() },

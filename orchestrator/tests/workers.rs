@@ -2,7 +2,7 @@
 #![cfg(feature = "bus")]
 #![allow(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
 
-use dsl::scenario::{Column, Connection, Drive, Instance, Port, Preset, Scenario, Value};
+use dsl::scenario::{Column, Connection, Drive, Instance, Port, Preset, Scenario, Unit, Value};
 use fmi2::calls::Call;
 use fmi2::description::ModelDescription;
 use orchestrator::bus::start_isolated;
@@ -36,9 +36,9 @@ const FOUR_WORKERS: [usize; 4] = [0, 1, 2, 3];
 /// A ring of four instances with `=>` from `b` to `c`, so that each of two workers has two groups. The last steps of `c` and
 /// `d` end after the run, and the one of `c`, whose group comes later, is ordered first.
 fn scenario() -> Scenario {
-    let instance = |(name, every, wave, gain): (&str, u64, usize, f64)| Instance {
+    let instance = |(name, unit, every, wave, gain): (&str, usize, u64, usize, f64)| Instance {
         name: name.to_owned(),
-        unit: "foreign.fmu".to_owned(),
+        unit,
         every,
         wave,
         presets: vec![
@@ -55,7 +55,10 @@ fn scenario() -> Scenario {
         step_ns: 500_000_000,
         stop_tick: STOP_TICK,
         parameters: Vec::new(),
-        instances: [("a", 1, 0, 0.5), ("b", 1, 0, 0.25), ("c", 6, 1, 0.125), ("d", 19, 0, 0.75)].map(instance).to_vec(),
+        units: ["foreign.fmu", "other.fmu"].map(|name| Unit { name: name.to_owned() }).to_vec(),
+        instances: [("a", 0, 1, 0, 0.5), ("b", 0, 1, 0, 0.25), ("c", 1, 6, 1, 0.125), ("d", 0, 19, 0, 0.75)]
+            .map(instance)
+            .to_vec(),
         initialization: Vec::new(),
         connections: [(3, 0, false), (0, 1, false), (1, 2, true), (2, 3, false)].map(connection).to_vec(),
         events: Vec::new(),
@@ -87,7 +90,6 @@ fn spec(folder: &Path, units: &[UnitSpec], worker_of: Option<&[usize]>) -> RunSp
     RunSpec {
         scenario: scenario(),
         units: units.to_vec(),
-        unit_of: vec![0, 0, 1, 0],
         worker_of: worker_of.map(<[usize]>::to_vec),
         folder: folder.to_owned(),
         board: folder.join("board"),

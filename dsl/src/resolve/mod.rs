@@ -66,6 +66,7 @@ mod frame;
 mod function;
 mod grid;
 mod initial;
+mod library;
 mod meaning;
 mod measure;
 mod parameter;
@@ -114,6 +115,7 @@ pub fn resolve(request: &Request<'_>) -> Resolved {
     with_stack(|| {
         let shared = Shared::new(*request);
         let scenario = scenario(shared.top());
+        shared.top().requirements_of_libraries();
         let failed = shared.failed();
         let (diagnostics, conditions) = shared.finish();
         let scenario = scenario.filter(|_| !failed).map(|scenario| Scenario { conditions, ..scenario });
@@ -142,10 +144,11 @@ fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
     scope.warn_of_equal_noise(&presets);
     let initialization = scope.initialization(&connections, &presets)?;
     let (periods, waves) = (periods?, waves?);
+    let units = scope.script.units_by_index();
     let instances =
         scope.script.instances.iter().zip(presets).enumerate().map(|(index, (instance, presets))| Instance {
             name: instance.name.text.clone(),
-            unit: instance.unit.text.clone(),
+            unit: instance.unit_index,
             every: periods[index],
             wave: waves[index],
             presets,
@@ -155,6 +158,7 @@ fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
         step_ns: grid?.step_ns,
         stop_tick: stop_tick?,
         parameters,
+        units,
         instances: instances.collect(),
         initialization,
         connections: connections.into_iter().map(|wired| wired.connection).collect(),

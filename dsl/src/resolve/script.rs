@@ -9,6 +9,7 @@ use super::frame::{FrameId, Frames, Placed};
 use super::unit::Unit;
 use crate::diagnostic::Diagnostic;
 use crate::loader::Problem;
+use crate::scenario;
 use crate::source::Span;
 use crate::syntax::{self, Arrow, Binding, Expression, Name, Path, Statement, StatementKind, Window, Word};
 
@@ -44,8 +45,11 @@ pub(super) struct Script<'a> {
     /// The names of the claims with their places.
     claim_names: BTreeMap<&'a str, Span>,
     /// What was found for each unit, by the text that names it.
-    units: BTreeMap<(u32, &'a str), Result<Rc<Unit>, Problem>>,
+    units: BTreeMap<(u32, &'a str), Found>,
 }
+
+/// The place of a unit in the order of first use, and what it says about itself.
+type Found = (usize, Result<Rc<Unit>, Problem>);
 
 /// A unit under a name.
 #[derive(Debug)]
@@ -56,6 +60,8 @@ pub(super) struct Declared<'a> {
     pub name: &'a Word,
     /// The unit as written.
     pub unit: &'a Word,
+    /// Which unit it is, in order of first use.
+    pub unit_index: usize,
     /// `every`
     pub every: Option<&'a Expression>,
     /// The braces.
@@ -212,7 +218,7 @@ impl<'a> Script<'a> {
             let twice = Diagnostic::error("E25", second.span, message).label(first.span, "the first");
             found.push(twice.help("write one `every`"));
         }
-        let unit = self.unit(request, &instance.unit);
+        let (unit_index, unit) = self.unit(request, &instance.unit);
         if let Err(problem) = &unit {
             let error = Diagnostic::error("E26", instance.unit.span, problem.message.clone());
             found.push(Diagnostic { help: problem.help.clone(), ..error });
@@ -221,6 +227,7 @@ impl<'a> Script<'a> {
             frame,
             name,
             unit: &instance.unit,
+            unit_index,
             every: instance.every.first(),
             values: &instance.values,
             description: unit.ok(),
@@ -229,18 +236,30 @@ impl<'a> Script<'a> {
         self.instances.push(declared);
     }
 
-    /// The units that were found, each once.
-    pub fn units(&self) -> impl Iterator<Item = &Unit> {
-        self.units.values().filter_map(|unit| unit.as_deref().ok())
+    /// The units of the instances, each once, in order of first use.
+    pub fn units_by_index(&self) -> Vec<scenario::Unit> {
+        let mut units = Vec::new();
+        for instance in &self.instances {
+            if instance.unit_index == units.len() {
+                units.push(scenario::Unit { name: instance.unit.text.clone() });
+            }
+        }
+        units
     }
 
-    /// What a unit says about itself; the loader is asked once for each name of a text.
-    fn unit(&mut self, request: &Request<'a>, name: &'a Word) -> Result<Rc<Unit>, Problem> {
+    /// The units that were found, each once.
+    pub fn units(&self) -> impl Iterator<Item = &Unit> {
+        self.units.values().filter_map(|(_, unit)| unit.as_deref().ok())
+    }
+
+    /// Which unit it is, and what it says about itself; the loader is asked once for each name of a text.
+    fn unit(&mut self, request: &Request<'a>, name: &'a Word) -> Found {
         let load = || {
             let description = request.loader.unit(request.sources.of(name.span), &name.text)?;
             Ok(Rc::new(Unit::new(description)))
         };
-        self.units.entry((name.span.text, &name.text)).or_insert_with(load).clone()
+        let index = self.units.len();
+        self.units.entry((name.span.text, &name.text)).or_insert_with(|| (index, load())).clone()
     }
 
     fn declare(

@@ -86,13 +86,8 @@ impl Unit {
 
     /// So many instances for so many ticks, all outputs of a source linked to all inputs of its target by `->`.
     pub fn linked(&self, count: usize, ticks: u64, links: impl Iterator<Item = (usize, usize)>) -> Scenario {
-        let instance = |index| Planned {
-            name: format!("unit{index}"),
-            unit: UNIT.to_owned(),
-            every: 1,
-            wave: 0,
-            presets: Vec::new(),
-        };
+        let instance =
+            |index| Planned { name: format!("unit{index}"), unit: 0, every: 1, wave: 0, presets: Vec::new() };
         let link = |(source, target): (usize, usize)| {
             self.inputs.iter().zip(&self.outputs).map(move |(&input, &output)| Connection {
                 target: Port { instance: target, variable: input },
@@ -105,6 +100,7 @@ impl Unit {
             step_ns: STEP_NS,
             stop_tick: ticks,
             parameters: Vec::new(),
+            units: vec![dsl::scenario::Unit { name: UNIT.to_owned() }],
             instances: (0..count).map(instance).collect(),
             initialization: Vec::new(),
             connections: links.flat_map(link).collect(),

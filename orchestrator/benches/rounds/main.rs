@@ -124,7 +124,6 @@ fn spec(unit: &Unit, count: usize) -> RunSpec {
     RunSpec {
         scenario,
         units,
-        unit_of: vec![0; count],
         folder,
         board,
         options: RunOptions::default(),

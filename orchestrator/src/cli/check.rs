@@ -139,12 +139,7 @@ fn facts(scenario: &Scenario) -> String {
 
 /// For each instance what its unit says of itself.
 fn descriptions<'a>(script: &'a Script, scenario: &Scenario) -> Vec<&'a ModelDescription> {
-    let of_instance =
-        |instance: &dsl::scenario::Instance| match script.units.iter().find(|unit| unit.name == instance.unit) {
-            Some(unit) => unit.description.as_ref(),
-            None => unreachable!("a resolved script has found all of its units"),
-        };
-    scenario.instances.iter().map(of_instance).collect()
+    scenario.instances.iter().map(|instance| script.units[instance.unit].description.as_ref()).collect()
 }
 
 /// `1 claim`, `2 claims`.

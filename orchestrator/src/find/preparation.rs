@@ -84,16 +84,14 @@ pub fn prepare(mut script: Script, unpacked: &UnpackedUnits, options: RunOptions
     check_log_calls(&options.log_calls, &scenario)?;
     let files = files_of(&scenario, &script.folder)?.into_iter().chain(options.files.iter().cloned()).collect();
     let UnpackedUnits { home, units } = unpacked;
-    let unit_of: Vec<_> = scenario.instances.iter().map(|instance| unit_of(units, &instance.unit)).collect();
     let hash = |unit: &UnitSpec| HashedFile { name: unit.name.clone(), sha256: unit.sha256.clone() };
     let mut record = record(&script, &scenario, units.iter().map(hash).collect(), files);
-    let candidate = Candidate { scenario: &scenario, units, unit_of: &unit_of, record: &record };
+    let candidate = Candidate { scenario: &scenario, units, record: &record };
     let Checkpoints { saving, from } = candidate.checkpoints(&options)?;
     let (from, continued) = from.unzip();
     record.from = continued;
     let folder = RunFolder::claim(&options.out, &record).map_err(|error| Refusal::new(&error, error.help()))?;
     let spec = RunSpec {
-        unit_of,
         worker_of: options.isolate.then(|| (0..scenario.instances.len()).collect()),
         scenario,
         folder: script.folder.canonicalize().unwrap_or_else(|_| script.folder.clone()),
@@ -110,13 +108,6 @@ pub fn prepare(mut script: Script, unpacked: &UnpackedUnits, options: RunOptions
 fn saves(saving: &Saving, home: &Path) -> Vec<SaveSpec> {
     let ticks: BTreeSet<_> = saving.files.iter().map(|(tick, _)| *tick).collect();
     ticks.into_iter().map(|tick| SaveSpec { tick, file: home.join(format!("checkpoint{tick}")) }).collect()
-}
-
-fn unit_of(units: &[UnitSpec], name: &str) -> usize {
-    match units.iter().position(|unit| unit.name == name) {
-        Some(unit) => unit,
-        None => unreachable!("a resolved script has found all of its units"),
-    }
 }
 
 /// Refuses a name that no instance has.

@@ -9,10 +9,9 @@ use dsl::parse::{parse, parse_assignment};
 use dsl::resolve::{Request, resolve};
 use dsl::scenario::Scenario;
 use dsl::source::{Source, Sources};
-use dsl::syntax::{Binding, File, Instance, StatementKind};
+use dsl::syntax::{Binding, File};
 use fmi2::description::check::check;
 use fmi2::description::{Finding, ModelDescription};
-use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -34,7 +33,7 @@ pub struct Script {
     pub diagnostics: Vec<Diagnostic>,
     /// What it means, unless something is wrong.
     pub scenario: Option<Scenario>,
-    /// Its units, each once, in order of first use; those that were found.
+    /// Its units, each once, in order of first use, which is that of [`Scenario::units`]; those that were found.
     pub units: Vec<ScriptUnit>,
 }
 
@@ -106,39 +105,6 @@ impl Script {
         self.units = files.units.into_inner().unwrap_or_else(PoisonError::into_inner);
         self.diagnostics = resolved.diagnostics;
         self.scenario = resolved.scenario;
-        let needs = self.needs_of_units(file);
-        if !needs.is_empty() {
-            self.diagnostics.extend(needs);
-            self.diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span));
-            if self.has_errors() {
-                self.scenario = None;
-            }
-        }
-    }
-
-    /// What the libraries of units ask of the process that loads them.
-    fn needs_of_units(&self, file: &File) -> Vec<Diagnostic> {
-        let mut instances_of: BTreeMap<&str, Vec<&Instance>> = BTreeMap::new();
-        for statement in &file.statements {
-            if let StatementKind::Fmu(instance) = &statement.kind {
-                instances_of.entry(&instance.unit.text).or_default().push(instance);
-            }
-        }
-        let mut needs = Vec::new();
-        for unit in &self.units {
-            let Some(library) = &unit.description.co_simulation else { continue };
-            let Some(instances) = instances_of.get(unit.name.as_str()) else { continue };
-            let [first, others @ ..] = instances.as_slice() else { continue };
-            if library.needs_execution_tool {
-                let message = format!("unit `{}` says that it needs another program to run", unit.name);
-                let warning = Diagnostic::warning("W05", first.unit.span, message);
-                needs.push(warning.help("make sure that the program it was exported from is installed"));
-            }
-            if library.can_be_instantiated_only_once_per_process {
-                needs.extend(others.iter().map(|again| only_once(&unit.name, first, again)));
-            }
-        }
-        needs
     }
 
     /// Whether something is wrong.
@@ -152,11 +118,6 @@ impl Script {
     pub fn rendered(&self, colour: bool) -> String {
         render(&self.sources, &self.diagnostics, colour)
     }
-}
-
-fn only_once(unit: &str, first: &Instance, again: &Instance) -> Diagnostic {
-    let message = format!("unit `{unit}` can be instantiated only once per process, and a run is one process");
-    Diagnostic::error("E26", again.unit.span, message).label(first.unit.span, "the first")
 }
 
 /// Files beside the script, and the units of the catalogue.

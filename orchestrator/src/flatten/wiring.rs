@@ -112,10 +112,14 @@ impl Wiring {
         let mut table = SlotTable::assign(scenario, descriptions, &mut groups);
         let mut inputs = table.inputs();
         for (port, slot) in table.input_slots() {
-            let variable = &descriptions[port.instance].variables[port.variable];
-            let presets = &scenario.instances[port.instance].presets;
-            let preset = presets.iter().rev().find(|preset| preset.variable == port.variable);
-            inputs.store(slot, preset.map_or(&start_value(variable), |preset| &preset.value));
+            inputs.store(slot, &start_value(&descriptions[port.instance].variables[port.variable]));
+        }
+        for (instance, of) in scenario.instances.iter().enumerate() {
+            for preset in &of.presets {
+                if let Some(slot) = table.input(Port { instance, variable: preset.variable }) {
+                    inputs.store(slot, &preset.value);
+                }
+            }
         }
         let [delayed, direct]: [Vec<Feed>; 2] = [false, true].map(|direct| {
             let mut by_group = vec![Vec::new(); groups.len()];

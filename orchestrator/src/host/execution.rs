@@ -122,7 +122,7 @@ fn leave(folder: &mut RunFolder, record: &mut RunRecord, verdict: &VerdictFile) 
 fn begin_files(folder: &RunFolder, spec: &RunSpec) -> Result<Recorder, TraceError> {
     let mut recorder = Recorder::default();
     if spec.options.record {
-        let columns = columns::of(&spec.scenario, |instance| &spec.units[spec.unit_of[instance]].description);
+        let columns = columns::of(&spec.scenario, |instance| &spec.unit(instance).description);
         let signals: Vec<_> = std::iter::once(signals::time()).chain(columns).collect();
         recorder.begin_rows(folder, spec.scenario.step_ns, &signals)?;
     }

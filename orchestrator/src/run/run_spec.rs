@@ -16,10 +16,8 @@ pub const HOME_PREFIX: &str = "lockstep-";
 pub struct RunSpec {
     /// What to run.
     pub scenario: Scenario,
-    /// The units, each once.
+    /// The units, in the order of [`Scenario::units`].
     pub units: Vec<UnitSpec>,
-    /// For each instance of the scenario the index of its unit.
-    pub unit_of: Vec<usize>,
     /// The folder that `file("…")` is relative to, the script's.
     #[serde(with = "path_bytes")]
     pub folder: PathBuf,
@@ -38,6 +36,12 @@ pub struct RunSpec {
 }
 
 impl RunSpec {
+    /// The unit of an instance.
+    #[must_use]
+    pub fn unit(&self, instance: usize) -> &UnitSpec {
+        &self.units[self.scenario.instances[instance].unit]
+    }
+
     /// The simulated seconds at which the run begins.
     #[must_use]
     pub fn from_s(&self) -> f64 {

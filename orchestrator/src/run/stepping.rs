@@ -61,9 +61,9 @@ fn instantiate_all(spec: &RunSpec, board: &Arc<Board>, made: &mut Vec<Instantiat
         step_ns,
         sink: board_observer::sink(board),
     };
-    let instances = spec.scenario.instances.iter().zip(&spec.unit_of).enumerate();
-    let instances = instances.map(|(index, (instance, &unit))| {
-        let (name, presets) = (instance.name.as_str(), instance.presets.as_slice());
+    let instances = spec.scenario.instances.iter().enumerate();
+    let instances = instances.map(|(index, instance)| {
+        let (name, unit, presets) = (instance.name.as_str(), instance.unit, instance.presets.as_slice());
         NewInstance { index, name, unit, presets, log_calls: spec.options.logs_calls_of(name) }
     });
     instantiator.make(instances, made)?;
@@ -71,7 +71,8 @@ fn instantiate_all(spec: &RunSpec, board: &Arc<Board>, made: &mut Vec<Instantiat
 }
 
 fn wire(spec: &RunSpec, worker_of: &[usize]) -> Wiring {
-    let descriptions: Vec<_> = spec.unit_of.iter().map(|&unit| &spec.units[unit].description).collect();
+    let descriptions: Vec<_> =
+        (0..spec.scenario.instances.len()).map(|instance| &spec.unit(instance).description).collect();
     Wiring::new(&spec.scenario, &descriptions, worker_of)
 }
 

@@ -34,6 +34,15 @@ fn a_plain_script_has_instances_waves_copies_claims_and_columns() {
 }
 
 #[test]
+fn a_unit_stands_once_in_order_of_first_use() {
+    let scenario = scenario(&flight("fmu twin = \"quadcopter\"\nfmu gust = \"wind\" { seed = 2 }"));
+    let units: Vec<_> = scenario.units.iter().map(|unit| unit.name.as_str()).collect();
+    assert_eq!(units, ["wind", "quadcopter", "quadcopter_controller"]);
+    let unit_of: Vec<_> = scenario.instances.iter().map(|instance| instance.unit).collect();
+    assert_eq!(unit_of, [0, 1, 2, 1, 0]);
+}
+
+#[test]
 fn initialization_sets_what_a_source_depends_on_before_it_is_read() {
     let scenario = scenario(&flight(PLAIN));
     assert_eq!(

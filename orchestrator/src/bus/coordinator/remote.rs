@@ -302,11 +302,11 @@ fn find(ports: &[(usize, InstancePorts)], instance: usize) -> &InstancePorts {
 
 /// The request to a worker that is to hold the instances with these ports.
 fn request(spec: &RunSpec, ports: &[(usize, InstancePorts)], groups: Vec<GroupSpec>) -> OpenRequest {
-    let mut units: Vec<Unit> = Vec::new();
+    let (mut units, mut places) = (Vec::new(), BTreeMap::new());
     let mut unit_of = |index: usize| {
-        let spec = &spec.units[spec.unit_of[index]];
-        units.iter().position(|unit| unit.name == spec.name).unwrap_or_else(|| {
-            let (name, folder, sha256) = (spec.name.clone(), spec.folder.clone(), spec.sha256.clone());
+        *places.entry(spec.scenario.instances[index].unit).or_insert_with(|| {
+            let unit = spec.unit(index);
+            let (name, folder, sha256) = (unit.name.clone(), unit.folder.clone(), unit.sha256.clone());
             units.push(Unit { name, folder, sha256 });
             units.len() - 1
         })

@@ -65,7 +65,7 @@ impl Publisher {
     ) -> Result<Self, zenoh::Error> {
         let session = listening.session.clone();
         let scenario = &spec.scenario;
-        let description_of = |instance: usize| &spec.units[spec.unit_of[instance]].description;
+        let description_of = |instance: usize| &spec.unit(instance).description;
         let signals: Vec<_> = columns::of(scenario, description_of).collect();
         let mut instances = Vec::new();
         for (index, instance) in scenario.instances.iter().enumerate() {

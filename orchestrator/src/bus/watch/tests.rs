@@ -23,7 +23,6 @@ fn spec() -> RunSpec {
     RunSpec {
         scenario,
         units: vec![unit],
-        unit_of: vec![0],
         folder: PathBuf::new(),
         board: PathBuf::new(),
         options: RunOptions { live: true, ..RunOptions::default() },

@@ -1,5 +1,7 @@
 //! Names of single variables, told by the groups that they make up.
 
+use std::collections::BTreeMap;
+
 /// The names of variables without the members that all of them end in; each keeps its first part.
 ///
 /// `state.position.x` and `vehicle.position.x` are told as `state` and `vehicle`.
@@ -16,9 +18,11 @@ pub(super) fn without_shared_members(names: &[&str]) -> Vec<String> {
 /// Names by their first part, those with members with a count: `state (13), contact`.
 pub(super) fn groups<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let mut groups: Vec<(&str, &str, usize)> = Vec::new();
+    let mut places = BTreeMap::new();
     for name in names {
         let first = parts(name)[0];
-        match groups.iter_mut().find(|(group, _, _)| *group == first) {
+        let place = *places.entry(first).or_insert(groups.len());
+        match groups.get_mut(place) {
             Some((_, _, count)) => *count += 1,
             None => groups.push((first, name, 1)),
         }

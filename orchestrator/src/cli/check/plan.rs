@@ -5,6 +5,8 @@ use super::fold::{groups, without_shared_members};
 use dsl::scenario::{Connection, Drive, InitialStep, Port, RealExpression, Scenario, duration};
 use fmi2::description::{Causality, ModelDescription, Variable};
 use results::shortest_decimal;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use unit::time::seconds;
 
@@ -39,14 +41,15 @@ impl Plan<'_> {
     }
 
     fn units(&self) -> String {
-        let instances = &self.scenario.instances;
+        let Scenario { instances, units, .. } = self.scenario;
         let name_width = width(instances.iter().map(|instance| instance.name.as_str()));
-        let unit_width = width(instances.iter().map(|instance| instance.unit.as_str())) + 2;
+        let unit_width = width(units.iter().map(|unit| unit.name.as_str())) + 2;
         let mut in_order: Vec<_> = instances.iter().collect();
         in_order.sort_by_key(|instance| instance.wave);
         let mut text = String::from("units: those of one wave step together, waves one after the other\n");
         for instance in in_order {
-            let (unit, period) = (format!("\"{}\"", instance.unit), duration(instance.every * self.scenario.step_ns));
+            let (unit, period) =
+                (format!("\"{}\"", units[instance.unit].name), duration(instance.every * self.scenario.step_ns));
             let _ = writeln!(
                 text,
                 "  wave {}  {:<name_width$}  {unit:<unit_width$}  every {period}",
@@ -80,9 +83,9 @@ impl Plan<'_> {
     }
 
     fn arrow(&self, connection: &Connection) -> Arrow {
-        let mut sources = Vec::new();
+        let (mut sources, mut known) = (Vec::new(), BTreeSet::new());
         connection.source.reads(&self.scenario.conditions, &mut |port| {
-            if !sources.contains(&port) {
+            if known.insert(port) {
                 sources.push(port);
             }
         });
@@ -145,21 +148,30 @@ impl Plan<'_> {
 
     /// Outputs that depend directly on an input that `->` brings: they show the input held over the last step.
     fn delays(&self) -> String {
+        let delayed = self.delayed_inputs();
         let mut lines = String::new();
         for (instance, description) in self.descriptions.iter().enumerate() {
-            let mut told: Vec<(String, Vec<&str>)> = Vec::new();
+            let port = |variable| Port { instance, variable };
+            let name = |port: Port| description.variables[port.variable].name.as_str();
+            // An output without declared dependencies depends on every input.
+            let all = groups(delayed.range(port(0)..=port(usize::MAX)).copied().map(name));
+            let mut told: Vec<(Cow<'_, str>, Vec<&str>)> = Vec::new();
+            let mut places = BTreeMap::new();
             for output in &description.structure.outputs {
                 let Some(variable) = description.variables.get(output.index) else { continue };
-                let delayed = |&input: &usize| self.is_delayed(Port { instance, variable: input });
-                let inputs: Vec<_> = match &output.dependencies {
-                    Some(inputs) => inputs.iter().copied().filter(delayed).collect(),
-                    None => (0..description.variables.len()).filter(delayed).collect(),
+                let inputs = match &output.dependencies {
+                    Some(inputs) => {
+                        let ports = inputs.iter().map(|&input| port(input));
+                        Cow::Owned(groups(ports.filter(|port| delayed.contains(port)).map(name)))
+                    }
+                    None => Cow::Borrowed(all.as_str()),
                 };
-                let inputs = groups(inputs.iter().map(|&input| description.variables[input].name.as_str()));
-                match told.iter_mut().find(|(same, _)| *same == inputs) {
-                    _ if inputs.is_empty() => {}
-                    Some((_, outputs)) => outputs.push(&variable.name),
-                    None => told.push((inputs, vec![&variable.name])),
+                if !inputs.is_empty() {
+                    let place = *places.entry(inputs.clone()).or_insert(told.len());
+                    if place == told.len() {
+                        told.push((inputs, Vec::new()));
+                    }
+                    told[place].1.push(&variable.name);
                 }
             }
             for (inputs, outputs) in told {
@@ -170,9 +182,10 @@ impl Plan<'_> {
         if lines.is_empty() { lines } else { format!("{heading}{lines}") }
     }
 
-    fn is_delayed(&self, port: Port) -> bool {
-        let arrow = self.scenario.connections.iter().find(|connection| connection.target == port);
-        self.variable(port).causality == Causality::Input && arrow.is_some_and(|connection| !connection.direct)
+    fn delayed_inputs(&self) -> BTreeSet<Port> {
+        let delayed = self.scenario.connections.iter().filter(|connection| !connection.direct);
+        let is_input = |port: &Port| self.variable(*port).causality == Causality::Input;
+        delayed.map(|connection| connection.target).filter(is_input).collect()
     }
 
     fn variable(&self, port: Port) -> &Variable {

@@ -5,7 +5,6 @@ use crate::run::run_options::RunOptions;
 use crate::run::run_spec::UnitSpec;
 use crate::run::step_loop::Checkpoint;
 use dsl::scenario::Scenario;
-use fmi2::description::ModelDescription;
 use results::checkpoint::{Identity, Saving};
 use results::run_record::{Continued, HashedFile, RunRecord, sha256};
 use std::path::{Path, PathBuf};
@@ -17,7 +16,6 @@ use unit::time::seconds;
 pub(super) struct Candidate<'a> {
     pub scenario: &'a Scenario,
     pub units: &'a [UnitSpec],
-    pub unit_of: &'a [usize],
     pub record: &'a RunRecord,
 }
 
@@ -69,8 +67,8 @@ impl Candidate<'_> {
             Refusal::new(&format!("cannot continue from {name}: {why}"), help)
         };
         let bytes = std::fs::read(file).map_err(|error| cannot(&error, None))?;
-        let descriptions: Vec<&ModelDescription> =
-            self.unit_of.iter().map(|&unit| &self.units[unit].description).collect();
+        let instances = self.scenario.instances.iter();
+        let descriptions: Vec<_> = instances.map(|instance| &self.units[instance.unit].description).collect();
         let checkpoint = identity.checkpoint_in(&bytes);
         let checkpoint = checkpoint.and_then(|bytes| Checkpoint::read(bytes, self.scenario, &descriptions));
         let checkpoint = checkpoint.map_err(|error| cannot(&error, Some(&error.help())))?;

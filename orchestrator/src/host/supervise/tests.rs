@@ -37,7 +37,6 @@ impl Run {
         let spec = RunSpec {
             scenario,
             units: vec![],
-            unit_of: vec![0],
             folder: home.path().to_owned(),
             board: home.path().join("board"),
             options: RunOptions { record: true, ..RunOptions::default() },

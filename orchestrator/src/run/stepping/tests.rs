@@ -7,7 +7,7 @@ use crate::run::run_spec::UnitSpec;
 use ::tests::foreign::Foreign;
 use dsl::scenario::{
     BooleanExpression, Claim, Column, Connection, Drive, Event, Formula, Instance, Margin, Port, RealExpression,
-    Scenario, Set, TickWindow,
+    Scenario, Set, TickWindow, Unit,
 };
 use std::path::PathBuf;
 use unit::archive::{Unpacked, unpack};
@@ -43,13 +43,7 @@ fn claims() -> Vec<Claim> {
 
 /// Both arrows, a computed value, a window that opens and closes, claims and columns.
 fn scenario(ticks: u64) -> Scenario {
-    let instance = |name: &str, wave| Instance {
-        name: name.to_owned(),
-        unit: "foreign.fmu".to_owned(),
-        every: 1,
-        wave,
-        presets: Vec::new(),
-    };
+    let instance = |name: &str, wave| Instance { name: name.to_owned(), unit: 0, every: 1, wave, presets: Vec::new() };
     let arrow = |target, source, direct| Connection { target: port(target, U), source, direct };
     let computed = RealExpression::Affine { of: Box::new(signal(1)), factor: 0.5, offset: 1.0 };
     let enabled = Set { target: port(0, ENABLED), value: Drive::Boolean(BooleanExpression::Constant(true)) };
@@ -59,6 +53,7 @@ fn scenario(ticks: u64) -> Scenario {
         step_ns: 1_000_000,
         stop_tick: ticks,
         parameters: Vec::new(),
+        units: vec![Unit { name: "foreign.fmu".to_owned() }],
         instances: vec![instance("a", 0), instance("b", 1)],
         initialization: Vec::new(),
         connections: vec![arrow(0, Drive::Real(computed), false), arrow(1, Drive::Copy(port(0, Y)), true)],
@@ -75,9 +70,9 @@ pub(crate) fn spec(ticks: u64, unit: &Unpacked) -> RunSpec {
     let (description, sha256) = (unit.description.clone(), unit.sha256.clone());
     let units = vec![UnitSpec { name, folder, description, sha256 }];
     let (folder, board) = (PathBuf::new(), PathBuf::new());
-    let (scenario, unit_of) = (scenario(ticks), vec![0, 0]);
+    let scenario = scenario(ticks);
     let options = RunOptions { fail_fast: true, record: true, ..RunOptions::default() };
-    RunSpec { scenario, units, unit_of, folder, board, options, worker_of: None, saves: Vec::new(), from: None }
+    RunSpec { scenario, units, folder, board, options, worker_of: None, saves: Vec::new(), from: None }
 }
 
 #[test]

@@ -67,15 +67,44 @@ impl Loader for Tank {
     }
 }
 
-#[test]
-fn a_plan_shows_periods_waves_conversions_initialization_and_delays() {
+/// The plan of a script whose instances all have the unit of this description.
+fn plan(script: &str, description: &str) -> String {
     let mut sources = Sources::default();
-    let file = sources.add("three.scn", SCRIPT);
+    let file = sources.add("three.scn", script);
     let parsed = parse(&sources, file);
-    let (description, _) = read(TANK.as_bytes()).unwrap();
+    let (description, _) = read(description.as_bytes()).unwrap();
     let description = Arc::new(description);
     let tank = Tank(Arc::clone(&description));
     let resolved = resolve(&Request { sources: &sources, file: &parsed.file, loader: &tank, settings: &[] });
     let scenario = resolved.scenario.unwrap_or_else(|| panic!("{:?}", resolved.diagnostics));
-    insta::assert_snapshot!(text(&scenario, &[description.as_ref(); 3]));
+    text(&scenario, &vec![description.as_ref(); scenario.instances.len()])
+}
+
+#[test]
+fn a_plan_shows_periods_waves_conversions_initialization_and_delays() {
+    insta::assert_snapshot!(plan(SCRIPT, TANK));
+}
+
+/// Takes well below a second, and hours where the cost grows with a power of the number of connections.
+#[test]
+fn a_plan_costs_as_much_as_its_connections() {
+    const PORTS: usize = 5_000;
+    let each = |line: fn(usize) -> String| (1..=PORTS).map(line).collect::<String>();
+    let variables = each(|n| {
+        let variable = |name: &str, causality: &str, start: &str| {
+            let head = format!(r#"<ScalarVariable name="{name}{n}" valueReference="{n}" causality="{causality}">"#);
+            format!("{head}<Real{start}/></ScalarVariable>")
+        };
+        variable("u", "input", r#" start="0""#) + &variable("y", "output", "")
+    });
+    let outputs = each(|n| format!(r#"<Unknown index="{}"/>"#, 2 * n));
+    let (before, behind) = TANK.split_once("<ModelVariables>").unwrap();
+    let (_, behind) = behind.split_once("</ModelStructure>").unwrap();
+    let structure = format!("<ModelStructure><Outputs>{outputs}</Outputs></ModelStructure>");
+    let large = format!("{before}<ModelVariables>{variables}</ModelVariables>{structure}{behind}");
+    let wires = each(|n| format!("{n} -> a.u{n}\na.y{n} -> b.u{n}\n"));
+    let script = format!("scenario \"Large\"\nstep 1 s\nstop 2 s\nfmu a = \"tank\"\nfmu b = \"tank\"\n{wires}");
+    let plan = plan(&script, &large);
+    assert_eq!(plan.matches(" -> ").count(), 2 * PORTS, "{}", &plan[..1000]);
+    assert!(plan.trim_end().ends_with(&format!("u{PORTS}")), "every output depends on every input");
 }

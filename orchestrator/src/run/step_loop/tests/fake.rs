@@ -9,6 +9,7 @@ use crate::run::step_loop::{Checkpoint, Observer, StepLoop};
 use crate::run::worker::{Lost, Order, Reply, Shutdown, Terminated, Ticket, Worker};
 use dsl::scenario::{
     Column, Connection, Drive, Event, Formula, InitialStep, Instance, Port, RealExpression, Scenario, Set, TickWindow,
+    Unit,
 };
 use fmi2::calls::Call;
 use fmi2::description::{Causality, Kind, ModelDescription, RealAttributes, RealVariable, Variability, Variable};
@@ -104,7 +105,7 @@ impl Script {
     pub fn new(units: Vec<Fake>) -> Self {
         let instance = |(index, unit): (usize, &Fake)| Instance {
             name: char::from(b'a' + u8::try_from(index).unwrap()).to_string(),
-            unit: String::new(),
+            unit: 0,
             every: unit.every,
             wave: unit.wave,
             presets: Vec::new(),
@@ -114,6 +115,7 @@ impl Script {
             step_ns: 1_000_000_000,
             stop_tick: 6,
             parameters: Vec::new(),
+            units: vec![Unit { name: String::new() }],
             instances: units.iter().enumerate().map(instance).collect(),
             initialization: Vec::new(),
             connections: Vec::new(),
