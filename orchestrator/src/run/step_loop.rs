@@ -55,7 +55,6 @@ pub struct StepLoop<'a, W> {
     held: Vec<bool>,
     rises: Vec<bool>,
     next_change: usize,
-    row: Vec<u64>,
     /// The number of samples that the claims took.
     samples: u64,
 }
@@ -79,7 +78,6 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             held: vec![false; wiring.rises.len()],
             rises: vec![false; wiring.rises.len()],
             next_change: 0,
-            row: wiring.row.row(),
             samples: 0,
             wiring,
             workers,
@@ -210,8 +208,8 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     /// Hands over the row of this tick.
     fn record(&mut self, tick: u64) {
         if self.options.record {
-            self.wiring.row.fill(&self.visible, &self.inputs, &mut self.row);
-            self.observer.row(tick, &self.row);
+            let Self { wiring, visible, inputs, observer, .. } = self;
+            observer.row(tick, |row| wiring.row.fill(visible, inputs, &row));
         }
     }
 

@@ -59,7 +59,7 @@ impl Run {
     fn rows(&self, count: u64) {
         for tick in 0..count {
             self.board.set_tick(tick);
-            self.board.push_row(tick, &[(tick as f64).to_bits()]);
+            self.board.write_row(tick, |row| row.set(0, (tick as f64).to_bits()));
         }
     }
 
