@@ -2,7 +2,7 @@
 
 use crate::flatten::claims;
 use crate::flatten::columns;
-use crate::host::supervise::{LiveObserver, Placement, RunEnd, SuperviseError, SuperviseRequest, supervise};
+use crate::host::supervise::{BeginLive, Placement, RunEnd, SuperviseError, SuperviseRequest, supervise};
 use crate::run::message::Reason;
 use crate::run::prepared_run::PreparedRun;
 use crate::run::run_spec::RunSpec;
@@ -31,17 +31,16 @@ pub struct HostOptions {
 }
 
 /// A run that is prepared, with what shows it while it goes on.
-#[derive(Debug)]
 pub struct ReadyRun {
     /// The run.
     pub run: PreparedRun,
-    /// What sees rows, progress and end besides the recorder.
-    pub observer: Option<Box<dyn LiveObserver>>,
+    /// Begins what takes its rows and its end besides the files.
+    pub live: Option<BeginLive>,
 }
 
 impl From<PreparedRun> for ReadyRun {
     fn from(run: PreparedRun) -> Self {
-        Self { run, observer: None }
+        Self { run, live: None }
     }
 }
 
@@ -66,7 +65,7 @@ impl RunOutcome {
     /// The first line of the report.
     #[must_use]
     pub fn heading(&self) -> Heading<'_> {
-        let (state, wall_s) = (run_state(&self.ended), self.ended.wall.as_secs_f64());
+        let (state, wall_s) = (self.ended.state(), self.ended.wall.as_secs_f64());
         Heading { script: &self.script, state, from_s: self.from_s, stop_s: self.stop_s, wall_s }
     }
 }
@@ -76,12 +75,9 @@ impl RunOutcome {
 /// # Errors
 /// If the run could not be looked after, or its files not be written.
 pub fn carry_out(ready: ReadyRun, manner: HostOptions) -> Result<RunOutcome, SuperviseError> {
-    let ReadyRun { run, observer: mut live_observer } = ready;
+    let ReadyRun { run, live } = ready;
     let PreparedRun { spec, saving, mut record, mut folder, home: _home, script } = run;
-    let ended = look_after(&spec, &saving, &folder, live_observer.as_deref_mut(), manner);
-    if let Some(live_observer) = live_observer {
-        live_observer.end(ended.as_ref().map_or(RunState::Broken, run_state));
-    }
+    let ended = look_after(&spec, &saving, &folder, live, manner);
     let ended = ended.inspect_err(|error| note_break(&mut folder, &mut record, error))?;
     if let Some(failure) = &ended.failure {
         report::error(failure, failure.help().as_deref());
@@ -89,7 +85,7 @@ pub fn carry_out(ready: ReadyRun, manner: HostOptions) -> Result<RunOutcome, Sup
     let file_name = script.rsplit('/').next().unwrap_or(&script);
     let end = end_text(&ended, &spec.scenario);
     let verdict = verdict(&spec.scenario, &record, file_name, end, &ended);
-    record.end(run_state(&ended), verdict.time_s, ended.wall);
+    record.end(ended.state(), verdict.time_s, ended.wall);
     record.broken = ended.failure.as_ref().map(Broken::from);
     leave(&mut folder, &mut record, &verdict).map_err(SuperviseError::Trace)?;
     let stop_s = seconds(spec.scenario.stop_tick, spec.scenario.step_ns);
@@ -100,7 +96,7 @@ fn look_after(
     spec: &RunSpec,
     saving: &Saving,
     folder: &RunFolder,
-    live_observer: Option<&mut (dyn LiveObserver + 'static)>,
+    live: Option<BeginLive>,
     manner: HostOptions,
 ) -> Result<RunEnd, SuperviseError> {
     let program = std::env::current_exe();
@@ -108,7 +104,7 @@ fn look_after(
     let recorder = begin_files(folder, spec).map_err(SuperviseError::Trace)?;
     let step_timeout = (!manner.step_timeout.is_zero()).then_some(manner.step_timeout);
     let request = SuperviseRequest { spec, saving, program, step_timeout, placement: manner.placement };
-    supervise(&request, recorder, live_observer, &mut Console::stderr(manner.style))
+    supervise(&request, recorder, live, &mut Console::stderr(manner.style))
 }
 
 /// Notes, and tells as far as the caller will not, what broke a run that left no results.
@@ -162,14 +158,6 @@ fn verdict(scenario: &Scenario, record: &RunRecord, script: &str, end: String, e
         claims: claims
             .map(|(claim, standing)| JudgedClaim::new(&claims::info(claim), standing, scenario.step_ns))
             .collect(),
-    }
-}
-
-fn run_state(ended: &RunEnd) -> RunState {
-    match (ended.interrupted, &ended.failure) {
-        (true, _) => RunState::Interrupted,
-        (false, Some(_)) => RunState::Broken,
-        (false, None) => RunState::Finished,
     }
 }
 

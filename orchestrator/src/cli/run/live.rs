@@ -40,7 +40,7 @@ impl Live {
         let watch = Watch::new(listening, &run.spec, rate).map_err(|error| refusal(&error))?;
         status(&told(watch.run(), &addresses));
         run.spec.live = true;
-        Ok(ReadyRun { run, observer: Some(Box::new(watch)) })
+        Ok(ReadyRun { run, live: Some(Box::new(|board| Box::new(watch.on(board)))) })
     }
 }
 

@@ -4,6 +4,8 @@ use crate::run::message::Finish;
 use crate::run::run_spec::RunSpec;
 use results::TraceError;
 use results::checkpoint::Saving;
+use results::run_record::RunState;
+use results::sink::Sink;
 use results::verdict::Standing;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -40,6 +42,9 @@ pub enum Placement {
 /// Starts the workers of a run and its loop, which writes rows, messages and claims to this board.
 pub type StartWorkers = fn(&SuperviseRequest<'_>, &Arc<Board>) -> io::Result<Box<dyn Stepping>>;
 
+/// Begins to show a run while it goes on: how far it is and how its claims stand is on this board.
+pub type BeginLive = Box<dyn FnOnce(&Arc<Board>) -> Box<dyn Sink>>;
+
 /// The process or thread that steps a run, seen by its supervisor.
 pub trait Stepping {
     /// If it is over: why, should it count as broken since it did not say that it was done. All that it told is on the
@@ -68,6 +73,18 @@ pub struct RunEnd {
     pub standings: Vec<Standing>,
     /// How long it took.
     pub wall: Duration,
+}
+
+impl RunEnd {
+    /// The state in which the run ended.
+    #[must_use]
+    pub fn state(&self) -> RunState {
+        match (self.interrupted, &self.failure) {
+            (true, _) => RunState::Interrupted,
+            (false, Some(_)) => RunState::Broken,
+            (false, None) => RunState::Finished,
+        }
+    }
 }
 
 /// Why a run could not be looked after.
