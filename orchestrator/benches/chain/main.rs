@@ -21,7 +21,7 @@ use peer::{Unit, to_error};
 use results::verdict::Standing;
 use std::error::Error;
 use std::time::{Duration, Instant};
-use unit::board::Board;
+use unit::board::{Board, RowWriter};
 
 const BLOCKS: usize = 151;
 /// Steps of units in one block.
@@ -77,7 +77,7 @@ impl Observer for BoardOnly<'_> {
     fn stop_requested(&self) -> bool {
         self.board.stop_requested()
     }
-    fn row(&mut self, _: u64, _: &[u64]) {}
+    fn row(&mut self, _: u64, _: impl FnOnce(RowWriter<'_>)) {}
     fn wants_checkpoint(&self, _: u64) -> bool {
         false
     }

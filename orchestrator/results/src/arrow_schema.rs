@@ -54,7 +54,8 @@ fn field(signal: &Signal<'_>) -> Value {
     let fact = |(key, value): (&str, String)| Value::Table(vec![text(key), Some(Value::Text(value))]);
     Value::Table(vec![
         text(signal.name),
-        None,
+        // Whether it can be empty.
+        (signal.every != 1).then_some(Value::Number(1)),
         Some(Value::Number(kind)),
         Some(Value::Table(attributes)),
         None,

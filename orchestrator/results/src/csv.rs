@@ -5,7 +5,10 @@
 //! with a row.
 
 use super::TraceError;
-use super::signals::SlotType;
+use super::run_folder::PartialFile;
+use super::run_record::RunState;
+use super::signals::{DueRows, SlotType, is_due};
+use super::sink::Sink;
 use std::io::{self, Write};
 use unit::time::seconds;
 
@@ -21,6 +24,8 @@ pub struct CsvColumn {
     pub name: String,
     /// The type of its slots.
     pub slot_type: SlotType,
+    /// Its period in ticks; between them its cells are empty.
+    pub every: u64,
 }
 
 /// Turns rows into text.
@@ -28,7 +33,9 @@ pub struct CsvColumn {
 pub struct CsvWriter<W: Write> {
     out: W,
     step_ns: u64,
-    types: Vec<SlotType>,
+    /// The type of the slots of each column, and its period in ticks.
+    columns: Vec<(SlotType, u64)>,
+    due: DueRows,
     texts: Texts,
     /// Long enough for a piece and a row; what is not yet written ends at `filled`.
     buffer: Vec<u8>,
@@ -48,22 +55,29 @@ impl<W: Write> CsvWriter<W> {
         let filled = buffer.len();
         let widest_row = (columns.len() + 1) * (LONGEST + 1) + 1;
         buffer.resize(filled.max(PIECE) + widest_row, 0);
-        let types = columns.iter().map(|column| column.slot_type).collect();
-        Self { out, step_ns, types, texts: Texts::new(4 * columns.len()), buffer, filled }
+        let due = DueRows::new(columns.iter().map(|column| column.every));
+        let texts = Texts::new(4 * columns.len());
+        let columns = columns.iter().map(|column| (column.slot_type, column.every)).collect();
+        Self { out, step_ns, columns, due, texts, buffer, filled }
     }
 
-    /// Adds the row of a tick: one slot for each column, the bits of a Real, else the number widened.
+    /// Adds the row of a tick, if a column is due: one slot for each column, the bits of a Real, else the number widened.
     ///
     /// # Errors
     /// The error of the writer.
     pub fn row(&mut self, tick: u64, slots: &[u64]) -> io::Result<()> {
-        assert_eq!(slots.len(), self.types.len(), "a row has one slot for each column");
+        assert_eq!(slots.len(), self.columns.len(), "a row has one slot for each column");
+        if !self.due.contain(tick) {
+            return Ok(());
+        }
         let Self { texts, buffer, filled, .. } = self;
         let mut place = Place { buffer, filled: *filled };
         place.add(real_text(&mut zmij::Buffer::new(), seconds(tick, self.step_ns)));
-        for (slot_type, &slot) in self.types.iter().zip(slots) {
+        for (&(slot_type, every), &slot) in self.columns.iter().zip(slots) {
             place.add_byte(b',');
-            texts.append(number(*slot_type, slot), &mut place);
+            if is_due(tick, every) {
+                texts.append(number(slot_type, slot), &mut place);
+            }
         }
         place.add_byte(b'\n');
         *filled = place.filled;
@@ -172,49 +186,34 @@ fn quoted(name: &str) -> String {
 }
 
 /// The file of a run's folder behind the writer, with errors that name it.
-pub type TraceFile = CsvWriter<super::run_folder::PartialFile>;
+pub type TraceFile = CsvWriter<PartialFile>;
 
 impl TraceFile {
     /// Begins with the header line; see [`CsvWriter::new`].
     ///
     /// # Errors
     /// The file cannot be written; the error names it.
-    pub fn begin(
-        file: super::run_folder::PartialFile,
-        step_ns: u64,
-        columns: &[CsvColumn],
-    ) -> Result<Self, TraceError> {
+    pub fn begin(file: PartialFile, step_ns: u64, columns: &[CsvColumn]) -> Result<Self, TraceError> {
         let mut writer = Self::new(file, step_ns, columns);
         writer.save()?;
         Ok(writer)
     }
+}
 
-    /// Ends the file and gives it its final name.
-    ///
-    /// # Errors
-    /// The file cannot be written or renamed; the error names it.
-    pub fn finish(mut self) -> Result<(), TraceError> {
-        let flushed = self.flush();
-        self.out.named(flushed)?;
-        self.out.finish()
-    }
-
-    /// Adds a row; see [`CsvWriter::row`].
-    ///
-    /// # Errors
-    /// The file cannot be written; the error names it.
-    pub fn record(&mut self, tick: u64, slots: &[u64]) -> Result<(), TraceError> {
+impl Sink for TraceFile {
+    fn row(&mut self, tick: u64, slots: &[u64]) -> Result<(), TraceError> {
         let written = self.row(tick, slots);
         self.out.named(written)
     }
 
-    /// Writes all buffered rows; see [`CsvWriter::flush`].
-    ///
-    /// # Errors
-    /// The file cannot be written; the error names it.
-    pub fn save(&mut self) -> Result<(), TraceError> {
+    fn save(&mut self) -> Result<(), TraceError> {
         let written = self.flush();
         self.out.named(written)
+    }
+
+    fn finish(mut self: Box<Self>, _end: RunState) -> Result<(), TraceError> {
+        self.save()?;
+        self.out.finish()
     }
 }
 
@@ -223,7 +222,7 @@ mod tests {
     use super::*;
 
     fn columns(list: &[(&str, SlotType)]) -> Vec<CsvColumn> {
-        list.iter().map(|&(name, slot_type)| CsvColumn { name: name.to_owned(), slot_type }).collect()
+        list.iter().map(|&(name, slot_type)| CsvColumn { name: name.to_owned(), slot_type, every: 1 }).collect()
     }
 
     fn text(columns: &[CsvColumn], rows: &[&[u64]]) -> String {
@@ -262,6 +261,15 @@ mod tests {
     #[test]
     fn the_first_row_shows_a_zero_that_never_changed() {
         assert_eq!(text(&columns(&[("a.b", SlotType::Real)]), &[&[0]]), "time,a.b\n0,0\n");
+    }
+
+    #[test]
+    fn a_cell_is_empty_where_its_column_is_not_due_and_a_row_where_none_is_due_is_missing() {
+        let mut columns = columns(&[("a.b", SlotType::Real), ("a.c", SlotType::Boolean)]);
+        (columns[0].every, columns[1].every) = (2, 3);
+        let row: &[u64] = &[1.5_f64.to_bits(), 1];
+        let expected = "time,a.b,a.c\n0,1.5,1\n0.01,1.5,\n0.015,,1\n0.02,1.5,\n0.03,1.5,1\n";
+        assert_eq!(text(&columns, &[row; 7]), expected);
     }
 
     #[test]

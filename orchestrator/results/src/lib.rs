@@ -19,6 +19,7 @@ pub mod report;
 pub mod run_folder;
 pub mod run_record;
 pub mod signals;
+pub mod sink;
 pub mod table;
 pub mod verdict;
 

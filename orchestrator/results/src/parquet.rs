@@ -6,7 +6,9 @@
 //! the column: `pyarrow.parquet.read_schema(file).field("quad.height").metadata[b"unit"]`.
 
 use super::run_folder::PartialFile;
-use super::signals::{Signal, SlotType};
+use super::run_record::RunState;
+use super::signals::{DueRows, Signal, SlotType, is_due};
+use super::sink::Sink;
 use super::{TraceError, arrow_schema};
 use parquet::basic::{Compression, Encoding, Repetition, Type as PhysicalType};
 use parquet::data_type::{BoolType, DataType, DoubleType, Int32Type};
@@ -31,6 +33,7 @@ const GROUP_BLOCKS: usize = 32;
 #[derive(Debug)]
 pub struct ParquetFile {
     path: PathBuf,
+    due: DueRows,
     /// The block that is being filled: for each row the tick, then its slots.
     block: Vec<u64>,
     block_words: usize,
@@ -55,14 +58,17 @@ impl ParquetFile {
         let started = thread::Builder::new().name("parquet".to_owned()).spawn(write);
         started.map_err(TraceError::io("start a thread to write", &path))?;
         let block_words = block_words(signals.len());
-        Ok(Self { path, block: Vec::with_capacity(block_words), block_words, blocks, ended })
+        let due = DueRows::new(signals.iter().skip(1).map(|signal| signal.every));
+        Ok(Self { path, due, block: Vec::with_capacity(block_words), block_words, blocks, ended })
     }
+}
 
-    /// Adds the row of a tick; see [`Recorder::record`](super::recorder::Recorder::record).
-    ///
-    /// # Errors
-    /// An earlier row could not be written; the error names the file. No rows can be added after it.
-    pub fn record(&mut self, tick: u64, slots: &[u64]) -> Result<(), TraceError> {
+impl Sink for ParquetFile {
+    /// The error may be that of an earlier row.
+    fn row(&mut self, tick: u64, slots: &[u64]) -> Result<(), TraceError> {
+        if !self.due.contain(tick) {
+            return Ok(());
+        }
         self.block.push(tick);
         self.block.extend_from_slice(slots);
         if self.block.len() < self.block_words {
@@ -72,12 +78,8 @@ impl ParquetFile {
         self.blocks.send(block).or_else(|_| outcome(&self.ended, &self.path).map(drop))
     }
 
-    /// Ends the file and gives it its final name.
-    ///
-    /// # Errors
-    /// The file cannot be written or renamed; the error names it.
-    pub fn finish(self) -> Result<(), TraceError> {
-        let Self { path, block, blocks, ended, .. } = self;
+    fn finish(self: Box<Self>, _end: RunState) -> Result<(), TraceError> {
+        let Self { path, block, blocks, ended, .. } = *self;
         // If the thread has ended because of an error, the send fails, and `outcome` returns that error.
         blocks.send(block).ok();
         drop(blocks);
@@ -113,8 +115,16 @@ struct Columns<W: Write> {
     columns: Vec<Column>,
 }
 
-/// The values of one column of a row group that is not yet written.
-enum Column {
+/// One column of a row group that is not yet written.
+struct Column {
+    every: u64,
+    /// For each row 1 if there is a value and 0 if not; unused if the column is due at every tick.
+    levels: Vec<i16>,
+    values: Values,
+}
+
+/// The values where the column is due.
+enum Values {
     Reals(Vec<f64>),
     Integers(Vec<i32>),
     Booleans(Vec<bool>),
@@ -124,11 +134,12 @@ impl<W: Write + Send> Columns<W> {
     fn begin(out: W, step_ns: u64, signals: &[Signal<'_>]) -> Written<Self> {
         let fields = signals.iter().map(|signal| {
             let column = Type::primitive_type_builder(signal.name, physical_type(signal.slot_type));
-            column.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
+            let repetition = if signal.every == 1 { Repetition::REQUIRED } else { Repetition::OPTIONAL };
+            column.with_repetition(repetition).build().map(Arc::new)
         });
         let schema = Type::group_type_builder("trace").with_fields(fields.collect::<Written<_>>()?).build()?;
         let writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties(signals)))?;
-        let columns = signals.iter().skip(1).map(|signal| Column::new(signal.slot_type)).collect();
+        let columns = signals.iter().skip(1).map(Column::new).collect();
         Ok(Self { writer, step_ns, times: Vec::new(), columns })
     }
 
@@ -150,11 +161,12 @@ impl<W: Write + Send> Columns<W> {
         let rows = || block.chunks_exact(width);
         self.times.extend(rows().map(|row| seconds(row[0], self.step_ns)));
         for (column, at) in self.columns.iter_mut().zip(1..) {
-            let slots = rows().map(|row| row[at]);
-            match column {
-                Column::Reals(values) => values.extend(slots.map(f64::from_bits)),
-                Column::Integers(values) => values.extend(slots.map(|slot| slot as i32)),
-                Column::Booleans(values) => values.extend(slots.map(|slot| slot != 0)),
+            let every = column.every;
+            if every == 1 {
+                column.values.extend(rows().map(|row| row[at]));
+            } else {
+                column.levels.extend(rows().map(|row| i16::from(is_due(row[0], every))));
+                column.values.extend(rows().filter(|row| is_due(row[0], every)).map(|row| row[at]));
             }
         }
     }
@@ -165,24 +177,37 @@ impl<W: Write + Send> Columns<W> {
             return Ok(());
         }
         let mut group = self.writer.next_row_group()?;
-        write_column::<_, DoubleType>(&mut group, &mut self.times)?;
-        for column in &mut self.columns {
-            match column {
-                Column::Reals(values) => write_column::<_, DoubleType>(&mut group, values),
-                Column::Integers(values) => write_column::<_, Int32Type>(&mut group, values),
-                Column::Booleans(values) => write_column::<_, BoolType>(&mut group, values),
+        write_column::<_, DoubleType>(&mut group, &mut self.times, None)?;
+        for Column { every, levels, values } in &mut self.columns {
+            let due = (*every != 1).then_some(levels.as_slice());
+            match values {
+                Values::Reals(values) => write_column::<_, DoubleType>(&mut group, values, due),
+                Values::Integers(values) => write_column::<_, Int32Type>(&mut group, values, due),
+                Values::Booleans(values) => write_column::<_, BoolType>(&mut group, values, due),
             }?;
+            levels.clear();
         }
         group.close().map(drop)
     }
 }
 
 impl Column {
-    fn new(slot_type: SlotType) -> Self {
-        match slot_type {
-            SlotType::Real => Self::Reals(Vec::new()),
-            SlotType::Integer => Self::Integers(Vec::new()),
-            SlotType::Boolean => Self::Booleans(Vec::new()),
+    fn new(signal: &Signal<'_>) -> Self {
+        let values = match signal.slot_type {
+            SlotType::Real => Values::Reals(Vec::new()),
+            SlotType::Integer => Values::Integers(Vec::new()),
+            SlotType::Boolean => Values::Booleans(Vec::new()),
+        };
+        Self { every: signal.every, levels: Vec::new(), values }
+    }
+}
+
+impl Values {
+    fn extend(&mut self, slots: impl Iterator<Item = u64>) {
+        match self {
+            Self::Reals(values) => values.extend(slots.map(f64::from_bits)),
+            Self::Integers(values) => values.extend(slots.map(|slot| slot as i32)),
+            Self::Booleans(values) => values.extend(slots.map(|slot| slot != 0)),
         }
     }
 }
@@ -190,10 +215,11 @@ impl Column {
 fn write_column<W: Write + Send, T: DataType>(
     group: &mut SerializedRowGroupWriter<'_, W>,
     values: &mut Vec<T::T>,
+    levels: Option<&[i16]>,
 ) -> Written<()> {
     let column = group.next_column()?;
     let mut column = column.unwrap_or_else(|| unreachable!("the schema has as many columns as a row has values"));
-    column.typed::<T>().write_batch(values, None, None)?;
+    column.typed::<T>().write_batch(values, levels, None)?;
     values.clear();
     column.close()
 }
@@ -246,9 +272,9 @@ mod tests {
         ]
     }
 
-    fn begin(home: &TempDir) -> ParquetFile {
+    fn begin(home: &TempDir, signals: &[Signal<'_>]) -> Box<ParquetFile> {
         let folder = RunFolder::claim(home.path(), &record()).unwrap();
-        ParquetFile::begin(folder.begin(TRACE_PARQUET).unwrap(), STEP_NS, &signals()).unwrap()
+        Box::new(ParquetFile::begin(folder.begin(TRACE_PARQUET).unwrap(), STEP_NS, signals).unwrap())
     }
 
     fn read(home: &TempDir) -> SerializedFileReader<File> {
@@ -257,13 +283,20 @@ mod tests {
 
     /// The rows as they were recorded, with the bits of the time instead of the tick.
     fn slots(file: &SerializedFileReader<File>) -> Vec<Vec<u64>> {
-        let slot = |(_, field): (&String, &Field)| match field {
-            Field::Double(value) => value.to_bits(),
-            Field::Int(value) => i64::from(*value).cast_unsigned(),
-            Field::Bool(value) => u64::from(*value),
+        let slot = |slot: Option<u64>| slot.unwrap_or_else(|| panic!("a value is missing"));
+        cells(file).into_iter().map(|row| row.into_iter().map(slot).collect()).collect()
+    }
+
+    /// As `slots`, with `None` where a column was not due.
+    fn cells(file: &SerializedFileReader<File>) -> Vec<Vec<Option<u64>>> {
+        let cell = |(_, field): (&String, &Field)| match field {
+            Field::Double(value) => Some(value.to_bits()),
+            Field::Int(value) => Some(i64::from(*value).cast_unsigned()),
+            Field::Bool(value) => Some(u64::from(*value)),
+            Field::Null => None,
             other => panic!("{other:?}"),
         };
-        file.get_row_iter(None).unwrap().map(|row| row.unwrap().get_column_iter().map(slot).collect()).collect()
+        file.get_row_iter(None).unwrap().map(|row| row.unwrap().get_column_iter().map(cell).collect()).collect()
     }
 
     #[test]
@@ -271,11 +304,11 @@ mod tests {
         let home = tempfile::tempdir().unwrap();
         let reals = [0.1, -0.0, f64::INFINITY, f64::from_bits(0x7ff8_0000_dead_beef)].map(f64::to_bits);
         let integers = [7, -1, i32::MIN, i32::MAX].map(|value| i64::from(value).cast_unsigned());
-        let mut file = begin(&home);
+        let mut file = begin(&home, &signals());
         for tick in 0..4 {
-            file.record(tick as u64, &[reals[tick], integers[tick], tick as u64 & 1]).unwrap();
+            file.row(tick as u64, &[reals[tick], integers[tick], tick as u64 & 1]).unwrap();
         }
-        file.finish().unwrap();
+        file.finish(RunState::Finished).unwrap();
         let times = [0.0, 0.005, 0.01, 0.015].map(f64::to_bits);
         let expected: Vec<_> = (0..4).map(|i| vec![times[i], reals[i], integers[i], i as u64 & 1]).collect();
         assert_eq!(slots(&read(&home)), expected);
@@ -286,17 +319,45 @@ mod tests {
         let home = tempfile::tempdir().unwrap();
         let group = (GROUP_BLOCKS * block_words(signals().len()) / signals().len()) as u64;
         let rows = 2 * group + 5;
-        let mut file = begin(&home);
+        let mut file = begin(&home, &signals());
         for tick in 0..rows {
-            file.record(tick, &[tick, tick, 1]).unwrap();
+            file.row(tick, &[tick, tick, 1]).unwrap();
         }
         assert!(!home.path().join(TRACE_PARQUET).exists());
-        file.finish().unwrap();
+        file.finish(RunState::Finished).unwrap();
         let read = read(&home);
         let groups: Vec<_> = read.metadata().row_groups().iter().map(|group| group.num_rows() as u64).collect();
         assert_eq!(groups, [group, group, 5]);
         let bits_of = |tick| vec![seconds(tick, STEP_NS).to_bits(), tick, tick, 1];
         assert!(slots(&read).into_iter().eq((0..rows).map(bits_of)));
+    }
+
+    #[test]
+    fn a_value_is_null_where_its_column_is_not_due_and_only_such_a_column_is_optional() {
+        let home = tempfile::tempdir().unwrap();
+        let mut signals = signals();
+        for (signal, every) in signals.iter_mut().skip(1).zip([2, 3, 6]) {
+            signal.every = every;
+        }
+        // More than one row group, of which none begins where all columns are due.
+        let ticks = 5 * (GROUP_BLOCKS * block_words(signals.len()) / signals.len()) as u64;
+        let mut file = begin(&home, &signals);
+        for tick in 0..ticks {
+            file.row(tick, &[tick, tick, 1]).unwrap();
+        }
+        file.finish(RunState::Finished).unwrap();
+        let read = read(&home);
+        assert!(read.num_row_groups() > 1);
+        let value = |tick: u64, every, slot| tick.is_multiple_of(every).then_some(slot);
+        let due = (0..ticks).filter(|tick| tick.is_multiple_of(2) || tick.is_multiple_of(3));
+        let expected = due.map(|tick| {
+            let time = Some(seconds(tick, STEP_NS).to_bits());
+            vec![time, value(tick, 2, tick), value(tick, 3, tick), value(tick, 6, 1)]
+        });
+        assert!(cells(&read).into_iter().eq(expected));
+        let columns = read.metadata().file_metadata().schema_descr().columns().iter();
+        let optional: Vec<_> = columns.map(|column| column.self_type().is_optional()).collect();
+        assert_eq!(optional, [false, true, true, true]);
     }
 
     #[test]
@@ -307,7 +368,7 @@ mod tests {
     #[test]
     fn a_run_without_rows_has_columns() {
         let home = tempfile::tempdir().unwrap();
-        begin(&home).finish().unwrap();
+        begin(&home, &signals()).finish(RunState::Finished).unwrap();
         let file = read(&home);
         let columns = file.metadata().file_metadata().schema_descr().columns().iter();
         assert_eq!(
@@ -324,11 +385,12 @@ mod tests {
         let folder = RunFolder::claim(home.path(), &record()).unwrap();
         let path = folder.path().join("trace.parquet.partial");
         std::os::unix::fs::symlink("/dev/full", &path).unwrap();
-        let begin = || ParquetFile::begin(folder.begin(TRACE_PARQUET).unwrap(), STEP_NS, &signals()).unwrap();
+        let file = || folder.begin(TRACE_PARQUET).unwrap();
+        let begin = || Box::new(ParquetFile::begin(file(), STEP_NS, &signals()).unwrap());
         let expected = format!("cannot write {}: No space left on device (os error 28)", path.display());
-        assert_eq!(begin().finish().unwrap_err().to_string(), expected);
+        assert_eq!(begin().finish(RunState::Finished).unwrap_err().to_string(), expected);
         let mut file = begin();
-        let error = (0..).find_map(|tick| file.record(tick, &[0, 0, 0]).err());
+        let error = (0..).find_map(|tick| file.row(tick, &[0, 0, 0]).err());
         assert_eq!(error.map(|error| error.to_string()), Some(expected));
     }
 }

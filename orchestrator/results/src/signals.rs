@@ -39,6 +39,9 @@ pub struct Signal<'a> {
     /// The type of its slots.
     #[serde(skip)]
     pub slot_type: SlotType,
+    /// Its period in ticks: it is due at the multiples of it, and empty in the rows of other ticks.
+    #[serde(skip)]
+    pub every: u64,
 }
 
 impl Signal<'_> {
@@ -72,7 +75,38 @@ pub fn time() -> Signal<'static> {
         description: Some("Simulated time"),
         items: BTreeMap::new(),
         slot_type: SlotType::Real,
+        every: 1,
     }
+}
+
+/// The ticks at which a trace has a row: those at which one of its columns is due, all if it has none but the time.
+#[derive(Clone, Debug)]
+pub struct DueRows {
+    periods: Vec<u64>,
+}
+
+impl DueRows {
+    /// The rows of columns with these periods in ticks.
+    pub fn new(periods: impl Iterator<Item = u64>) -> Self {
+        let mut periods: Vec<_> = periods.collect();
+        periods.sort_unstable();
+        periods.dedup();
+        Self { periods }
+    }
+
+    /// Whether this tick has a row.
+    #[must_use]
+    #[inline]
+    pub fn contain(&self, tick: u64) -> bool {
+        self.periods.is_empty() || self.periods.iter().any(|&every| is_due(tick, every))
+    }
+}
+
+/// Whether a column with this period is due at a tick.
+#[inline]
+pub(crate) fn is_due(tick: u64, every: u64) -> bool {
+    // Most columns are always due, and a division for each of their values would be the largest part of its cost.
+    every == 1 || tick.is_multiple_of(every)
 }
 
 /// The text of the file.
@@ -84,7 +118,10 @@ pub fn json(signals: &[Signal<'_>]) -> String {
 /// The columns as the writer of `trace.csv` needs them: without the time, which it always writes.
 #[must_use]
 pub fn csv_columns(signals: &[Signal<'_>]) -> Vec<CsvColumn> {
-    let column = |signal: &Signal<'_>| CsvColumn { name: signal.name.to_owned(), slot_type: signal.slot_type };
+    let column = |signal: &Signal<'_>| {
+        let Signal { name, slot_type, every, .. } = *signal;
+        CsvColumn { name: name.to_owned(), slot_type, every }
+    };
     signals.iter().skip(1).map(column).collect()
 }
 

@@ -18,11 +18,12 @@ mod tests;
 pub use session::{ANY_LOCAL_PORT, ListenError, Listening};
 
 use crate::bus::link::run_name;
-use crate::host::supervise::LiveObserver;
 use crate::run::run_spec::RunSpec;
 use publisher::Publisher;
+use results::TraceError;
 use results::report::status;
 use results::run_record::RunState;
+use results::sink::Sink;
 use rows::Rows;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
@@ -101,6 +102,8 @@ pub struct Watch {
     shared: Arc<Shared>,
     ending: Sender<RunState>,
     dropped: Receiver<u64>,
+    /// The state in which the run ended; broken if it ends without `finish`.
+    end: RunState,
 }
 
 impl Watch {
@@ -118,7 +121,15 @@ impl Watch {
         let (ending, end) = mpsc::channel();
         let (sender, dropped) = mpsc::channel();
         thread::spawn(move || sender.send(publisher.run(&end)));
-        Ok(Self { run, rate, shared, ending, dropped })
+        Ok(Self { run, rate, shared, ending, dropped, end: RunState::Broken })
+    }
+
+    /// The run begins; how far it is and how its claims stand is on this board.
+    #[must_use]
+    pub fn on(self, board: &Arc<Board>) -> Self {
+        let begun = self.shared.board.set(Arc::clone(board));
+        assert!(begun.is_ok(), "a run begins once");
+        self
     }
 
     /// The run's name in keys.
@@ -128,22 +139,26 @@ impl Watch {
     }
 }
 
-impl LiveObserver for Watch {
-    fn begin(&mut self, board: &Arc<Board>) {
-        let begun = self.shared.board.set(Arc::clone(board));
-        assert!(begun.is_ok(), "a run begins once");
-    }
-
-    fn row(&mut self, tick: u64, slots: &[u64]) {
+impl Sink for Watch {
+    fn row(&mut self, tick: u64, slots: &[u64]) -> Result<(), TraceError> {
         if self.shared.watched.load(Ordering::Relaxed) > 0 {
             self.shared.rows().push(tick, slots);
         }
+        Ok(())
     }
 
+    /// The end is published when `self` is dropped, as that of a run whose results cannot be written.
+    fn finish(mut self: Box<Self>, end: RunState) -> Result<(), TraceError> {
+        self.end = end;
+        Ok(())
+    }
+}
+
+impl Drop for Watch {
     /// Waits up to a second until the end of the run is published.
-    fn end(self: Box<Self>, state: RunState) {
+    fn drop(&mut self) {
         // The publisher's thread runs until it receives this.
-        self.ending.send(state).ok();
+        self.ending.send(self.end).ok();
         match (self.dropped.recv_timeout(END_TIMEOUT), self.rate) {
             (Ok(dropped @ 1..), Rate::EveryTick) => {
                 status(&format!("note: {dropped} rows came too fast for --live-every-tick; --pace slows a run down"));

@@ -27,6 +27,7 @@ fn signal<'a>(column: &'a Column, instance: &'a str, description: &'a ModelDescr
         description: variable.description.as_deref(),
         items: description.items_of(variable).iter().map(|item| (item.value, item.name.as_str())).collect(),
         slot_type: slot_type(ValueType::of(variable)),
+        every: 1,
     }
 }
 

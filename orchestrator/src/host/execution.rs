@@ -2,7 +2,7 @@
 
 use crate::flatten::claims;
 use crate::flatten::columns;
-use crate::host::supervise::{LiveObserver, RunEnd, StartWorkers, SuperviseError, supervise};
+use crate::host::supervise::{BeginLive, RunEnd, StartWorkers, SuperviseError, supervise};
 use crate::run::message::Reason;
 use crate::run::prepared_run::PreparedRun;
 use crate::run::run_spec::RunSpec;
@@ -18,17 +18,16 @@ use results::{TraceError, signals};
 use unit::time::seconds;
 
 /// A run that is prepared, with what shows it while it goes on.
-#[derive(Debug)]
 pub struct ReadyRun {
     /// The run.
     pub run: PreparedRun,
-    /// What sees rows, progress and end besides the recorder.
-    pub observer: Option<Box<dyn LiveObserver>>,
+    /// Begins what takes its rows and its end besides the files.
+    pub live: Option<BeginLive>,
 }
 
 impl From<PreparedRun> for ReadyRun {
     fn from(run: PreparedRun) -> Self {
-        Self { run, observer: None }
+        Self { run, live: None }
     }
 }
 
@@ -53,7 +52,7 @@ impl RunOutcome {
     /// The first line of the report.
     #[must_use]
     pub fn heading(&self) -> Heading<'_> {
-        let (state, wall_s) = (run_state(&self.ended), self.ended.wall.as_secs_f64());
+        let (state, wall_s) = (self.ended.state(), self.ended.wall.as_secs_f64());
         Heading { script: &self.script, state, from_s: self.from_s, stop_s: self.stop_s, wall_s }
     }
 }
@@ -67,18 +66,14 @@ pub fn carry_out(
     style: Style,
     start_workers: Option<StartWorkers>,
 ) -> Result<RunOutcome, SuperviseError> {
-    let ReadyRun { run, observer: mut live_observer } = ready;
+    let ReadyRun { run, live } = ready;
     let PreparedRun { spec, saving, mut record, mut folder, home: _home, script } = run;
     let program = std::env::current_exe();
     let program = program.map_err(|error| SuperviseError::Start { doing: "find this program", error });
-    let observer = live_observer.as_deref_mut();
     let ended = program.and_then(|program| {
         let recorder = begin_files(&folder, &spec).map_err(SuperviseError::Trace)?;
-        supervise(&spec, &saving, &program, start_workers, recorder, observer, &mut Console::stderr(style))
+        supervise(&spec, &saving, &program, start_workers, recorder, live, &mut Console::stderr(style))
     });
-    if let Some(live_observer) = live_observer {
-        live_observer.end(ended.as_ref().map_or(RunState::Broken, run_state));
-    }
     let ended = ended.inspect_err(|error| note_break(&mut folder, &mut record, error))?;
     if let Some(failure) = &ended.failure {
         report::error(failure, failure.help().as_deref());
@@ -86,7 +81,7 @@ pub fn carry_out(
     let file_name = script.rsplit('/').next().unwrap_or(&script);
     let end = end_text(&ended, &spec.scenario);
     let verdict = verdict(&spec.scenario, &record, file_name, end, &ended);
-    record.end(run_state(&ended), verdict.time_s, ended.wall);
+    record.end(ended.state(), verdict.time_s, ended.wall);
     record.broken = ended.failure.as_ref().map(Broken::from);
     leave(&mut folder, &mut record, &verdict).map_err(SuperviseError::Trace)?;
     let stop_s = seconds(spec.scenario.stop_tick, spec.scenario.step_ns);
@@ -145,14 +140,6 @@ fn verdict(scenario: &Scenario, record: &RunRecord, script: &str, end: String, e
         claims: claims
             .map(|(claim, standing)| JudgedClaim::new(&claims::info(claim), standing, scenario.step_ns))
             .collect(),
-    }
-}
-
-fn run_state(ended: &RunEnd) -> RunState {
-    match (ended.interrupted, &ended.failure) {
-        (true, _) => RunState::Interrupted,
-        (false, Some(_)) => RunState::Broken,
-        (false, None) => RunState::Finished,
     }
 }
 

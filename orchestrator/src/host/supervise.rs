@@ -3,7 +3,6 @@
 //! Whatever a unit does to the stepping process, this process has the rows up to then and the call in progress. Where each
 //! instance has a process of its own, the loop runs in a thread of this one, and all else is the same.
 
-mod live_observer;
 mod log_order;
 mod post_mortem;
 mod stepping_process;
@@ -15,7 +14,6 @@ use crate::flatten::claims::info;
 use crate::host::watchdog::Watchdog;
 use crate::run::message::{Finish, Message, Reason};
 use crate::run::run_spec::RunSpec;
-pub use live_observer::LiveObserver;
 use log_order::LogOrder;
 pub use post_mortem::{cause_of_death, failure};
 use results::TraceError;
@@ -24,6 +22,7 @@ use results::recorder::Recorder;
 use results::report::console::Console;
 use results::report::progress::Progress;
 use results::shortest_decimal;
+use results::sink::Event;
 use results::verdict::{JudgedClaim, Standing, Verdict};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
@@ -34,7 +33,7 @@ use std::time::{Duration, Instant};
 use std::{fs, thread};
 pub use stepping_process::SUBCOMMAND;
 use stepping_process::SteppingProcess;
-pub use terms::{RunEnd, StartWorkers, Stepping, SuperviseError};
+pub use terms::{BeginLive, RunEnd, StartWorkers, Stepping, SuperviseError};
 use unit::board::{Board, BoardLayout, ClaimNote, InCall};
 use unit::failure::{Cause, Failure};
 use unit::time::seconds;
@@ -52,8 +51,8 @@ fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError 
 }
 
 /// Runs a spec to its end. Its child process is one of `program`; its workers, if it has any, are started by
-/// `start_workers`. Rows and calls go to the recorder, whose files are whole when this returns; rows also to the live
-/// observer, whose `end` is left to the caller.
+/// `start_workers`. Rows and calls go to the recorder, whose files are complete when this returns, and then to what shows
+/// the run while it goes on.
 ///
 /// # Errors
 /// If what steps cannot be started or the trace not be written; no process of the run is left then either.
@@ -62,45 +61,35 @@ pub fn supervise<W: Write>(
     saving: &Saving,
     program: &Path,
     start_workers: Option<StartWorkers>,
-    recorder: Recorder,
-    mut live_observer: Option<&mut (dyn LiveObserver + 'static)>,
+    mut recorder: Recorder,
+    live: Option<BeginLive>,
     console: &mut Console<W>,
 ) -> Result<RunEnd, SuperviseError> {
     let columns = if spec.options.hands_over_rows() { spec.scenario.columns.len() } else { 0 };
     let layout = BoardLayout { notes: 1, columns, claims: spec.scenario.claims.len() };
     let signals = Signals::new([SIGINT, SIGTERM]).map_err(start_error("listen for Ctrl-C"))?;
-    match &spec.worker_of {
-        None => {
-            let board = Board::create(&spec.board, &layout).map_err(start_error("make the board of the run"))?;
-            let board = Arc::new(board);
-            if let Some(live_observer) = &mut live_observer {
-                live_observer.begin(&board);
-            }
-            let process = SteppingProcess::start(program, spec).map_err(start_error("start the stepping process"))?;
-            supervise_loop(
-                Box::new(process),
-                signals,
-                Supervision::new(spec, saving, &board, recorder, live_observer, console),
-            )
+    let board = if spec.worker_of.is_some() { Board::private(&layout) } else { Board::create(&spec.board, &layout) };
+    let board = Arc::new(board.map_err(start_error("make the board of the run"))?);
+    // Last, so that rows are in the files before the end of the run is published.
+    live.into_iter().for_each(|begin| recorder.add(begin(&board)));
+    let stepping = match (&spec.worker_of, start_workers) {
+        (None, _) => SteppingProcess::start(program, spec)
+            .map(|process| -> Box<dyn Stepping> { Box::new(process) })
+            .map_err(start_error("start the stepping process")),
+        (Some(_), Some(start_workers)) => {
+            start_workers(program, spec, &board).map_err(start_error("start the workers"))
         }
-        Some(_) => {
-            let unsupported = || start_error("start the workers")(io::ErrorKind::Unsupported.into());
-            let start_workers = start_workers.ok_or_else(unsupported)?;
-            let board = Board::private(&layout).map_err(start_error("make the board of the run"))?;
-            let board = Arc::new(board);
-            if let Some(live_observer) = &mut live_observer {
-                live_observer.begin(&board);
-            }
-            let loop_here = start_workers(program, spec, &board).map_err(start_error("start the workers"))?;
-            supervise_loop(loop_here, signals, Supervision::new(spec, saving, &board, recorder, live_observer, console))
-        }
-    }
+        (Some(_), None) => Err(start_error("start the workers")(io::ErrorKind::Unsupported.into())),
+    };
+    supervise_loop(Supervision::new(spec, saving, &board, recorder, console), signals, stepping?)
 }
 
+/// The order of the parameters is that in which they are dropped, last to first: what steps a run that is given up ends
+/// before that is published.
 fn supervise_loop<W: Write>(
-    mut stepping: Box<dyn Stepping>,
-    mut signals: Signals,
     mut run: Supervision<'_, W>,
+    mut signals: Signals,
+    mut stepping: Box<dyn Stepping>,
 ) -> Result<RunEnd, SuperviseError> {
     loop {
         // Asked before the rings are emptied, so that they contain all that was sent before it ended.
@@ -134,7 +123,6 @@ struct Supervision<'a, W: Write> {
     board: &'a Board,
     console: &'a mut Console<W>,
     recorder: Recorder,
-    live_observer: Option<&'a mut (dyn LiveObserver + 'static)>,
     saved: Instant,
     began: Instant,
     polled: Instant,
@@ -153,7 +141,6 @@ impl<'a, W: Write> Supervision<'a, W> {
         saving: &'a Saving,
         board: &'a Board,
         recorder: Recorder,
-        live_observer: Option<&'a mut (dyn LiveObserver + 'static)>,
         console: &'a mut Console<W>,
     ) -> Self {
         let now = Instant::now();
@@ -164,7 +151,6 @@ impl<'a, W: Write> Supervision<'a, W> {
             board,
             console,
             recorder,
-            live_observer,
             saved: now,
             began: now,
             polled: now,
@@ -183,16 +169,12 @@ impl<'a, W: Write> Supervision<'a, W> {
     fn drain(&mut self) -> Result<bool, TraceError> {
         // Read before the rings are emptied: all messages that count before this tick were sent before it was reached.
         let reached = self.board.tick();
-        let (recorder, live_observer, last_row) = (&mut self.recorder, &mut self.live_observer, &mut self.last_row);
+        let (recorder, last_row) = (&mut self.recorder, &mut self.last_row);
         let mut refused = None;
         let rows = self.board.pop_rows(|tick, slots| {
             *last_row = Some(tick);
-            if refused.is_none() {
-                refused = recorder.record(tick, slots).err();
-            }
-            if let Some(live_observer) = live_observer {
-                live_observer.row(tick, slots);
-            }
+            let recorded = recorder.row(tick, slots);
+            refused = refused.take().or(recorded.err());
         });
         let mut messages = Vec::new();
         self.board.pop_messages(|bytes| messages.push(postcard::from_bytes::<Message>(bytes)));
@@ -220,7 +202,9 @@ impl<'a, W: Write> Supervision<'a, W> {
         match message {
             Message::Log(log) => self.log_order.add(log),
             Message::Saved(tick) => return self.store(tick),
-            Message::Calls(piece) => return self.recorder.add_call(piece.instance, &piece.bytes),
+            Message::Calls(call) => {
+                return self.recorder.event(Event::Calls { instance: call.instance, piece: &call.bytes });
+            }
             Message::Finished(finish) => self.finish = Some(finish),
             // A failure after the user killed the run is a consequence of that.
             Message::Broken(_) if self.interrupts > 1 => {}
@@ -321,8 +305,8 @@ impl<'a, W: Write> Supervision<'a, W> {
             let call = self.board.note(0).read();
             self.failure = Some(failure(call, self.board.tick(), &self.spec.scenario, cause));
         }
-        if let Some(error) = refused.or_else(|| std::mem::take(&mut self.recorder).finish().err()) {
-            return Err(SuperviseError::unwritten(self.failure, error));
+        if let Some(error) = refused {
+            return Err(self.give_up(error));
         }
         let ended_by_loop = self.finish.as_ref().map(|finish| finish.reason == Reason::Interrupted);
         let last_tick = match (&self.finish, self.last_row) {
@@ -330,15 +314,19 @@ impl<'a, W: Write> Supervision<'a, W> {
             (None, Some(last_row)) => last_row,
             (None, None) => self.board.tick(),
         };
-        self.report_unsaved(last_tick);
-        Ok(RunEnd {
+        let mut ended = RunEnd {
             last_tick,
             interrupted: ended_by_loop.unwrap_or(self.interrupts > 0),
             standings: standings(self.board, self.spec.scenario.claims.len()),
-            wall: self.began.elapsed(),
-            finish: self.finish,
-            failure: self.failure,
-        })
+            wall: Duration::ZERO,
+            finish: self.finish.take(),
+            failure: self.failure.clone(),
+        };
+        let finished = std::mem::take(&mut self.recorder).finish(ended.state());
+        ended.wall = self.began.elapsed();
+        finished.map_err(|error| SuperviseError::unwritten(self.failure.take(), error))?;
+        self.report_unsaved(last_tick);
+        Ok(ended)
     }
 }
 

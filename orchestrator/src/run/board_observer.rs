@@ -6,7 +6,7 @@ use crate::run::run_spec::SaveSpec;
 use crate::run::step_loop::{Checkpoint, Observer};
 use results::verdict::Standing;
 use std::sync::Arc;
-use unit::board::{Board, ClaimNote};
+use unit::board::{Board, ClaimNote, RowWriter};
 
 /// Writes rows, claims and checkpoints of a run.
 pub struct BoardObserver<'a> {
@@ -37,8 +37,8 @@ impl Observer for BoardObserver<'_> {
     }
 
     #[inline]
-    fn row(&mut self, tick: u64, row: &[u64]) {
-        self.board.push_row(tick, row);
+    fn row(&mut self, tick: u64, fill: impl FnOnce(RowWriter<'_>)) {
+        self.board.write_row(tick, fill);
     }
 
     #[inline]

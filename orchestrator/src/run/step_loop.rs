@@ -49,7 +49,6 @@ pub struct StepLoop<'a, W> {
     next_change: usize,
     /// Which `set` of each override applies.
     overrides: Vec<OverrideState>,
-    row: Vec<u64>,
     /// The number of samples that the claims took.
     samples: u64,
 }
@@ -74,7 +73,6 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             rises: vec![false; wiring.rises.len()],
             next_change: 0,
             overrides: wiring.overrides.states(),
-            row: wiring.row.row(),
             samples: 0,
             wiring,
             workers,
@@ -207,8 +205,8 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     /// Hands over the row of this tick.
     fn record(&mut self, tick: u64) {
         if self.options.hands_over_rows() {
-            self.wiring.row.fill(&self.visible, &self.inputs, &mut self.row);
-            self.observer.row(tick, &self.row);
+            let Self { wiring, visible, inputs, observer, .. } = self;
+            observer.row(tick, |row| wiring.row.fill(visible, inputs, &row));
         }
     }
 

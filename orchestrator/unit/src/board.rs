@@ -16,6 +16,7 @@ mod ring;
 
 pub use claim::ClaimNote;
 pub use note::{InCall, Note, Now};
+pub use ring::RowWriter;
 
 use claim::CLAIM_WORDS;
 use mapping::Mapping;
@@ -163,9 +164,12 @@ impl Board {
         Note::new(Arc::clone(&self.mapping), self.offsets.notes + i * NOTE_WORDS)
     }
 
-    /// Adds a row; while the ring is full, waits for the reader. Only one thread at a time may call this.
-    pub fn push_row(&self, tick: u64, slots: &[u64]) {
-        self.rows.push(self.mapping.words(), tick, slots);
+    /// Adds a row, which `fill` writes in its place in the ring; while the ring is full, waits for the reader. `fill` sets
+    /// every column, as one that it leaves out shows the value of an earlier row. Only one thread at a time may call this,
+    /// and `fill` may not.
+    #[inline]
+    pub fn write_row(&self, tick: u64, fill: impl FnOnce(RowWriter<'_>)) {
+        self.rows.write(self.mapping.words(), tick, fill);
     }
 
     /// Calls `each` with every row in the ring, in order, and returns how many there were.

@@ -43,7 +43,7 @@ fn child_process_that_a_unit_ends() {
         let mut level = [0.0];
         tank.set_real(&now, &Handles::from([0]), &[1.0]).unwrap();
         tank.get_real(&now, &Handles::from([2]), &mut level).unwrap();
-        board.push_row(tick, &[f64::to_bits(level[0])]);
+        board.write_row(tick, |row| row.set(0, f64::to_bits(level[0])));
         tank.do_step(&now, 0.1).unwrap();
     }
     tank.terminate(&at(20)).unwrap();

@@ -36,14 +36,14 @@ fn spec() -> RunSpec {
 fn begun(rate: Rate) -> (Box<Watch>, Session, Arc<Board>) {
     let listening = Listening::at(ANY_LOCAL_PORT).unwrap();
     let session = listening.session.clone();
-    let mut watch = Box::new(Watch::new(listening, &spec(), rate).unwrap());
     let board = Arc::new(Board::private(&BoardLayout { notes: 1, columns: 2, claims: 0 }).unwrap());
-    watch.begin(&board);
-    (watch, session, board)
+    let watch = Watch::new(listening, &spec(), rate).unwrap().on(&board);
+    (Box::new(watch), session, board)
 }
 
-/// Publishes a run of 100 ticks; returns the messages received, each with the last chunk of its key.
-fn received(rate: Rate) -> Vec<(String, Value)> {
+/// Publishes a run of 100 ticks, which ends so or is dropped; returns the messages received, each with the last chunk of
+/// its key.
+fn received(rate: Rate, end: Option<RunState>) -> Vec<(String, Value)> {
     let (mut watch, session, board) = begun(rate);
     let (sender, received) = mpsc::channel();
     let callback = move |sample: Sample| {
@@ -57,9 +57,12 @@ fn received(rate: Rate) -> Vec<(String, Value)> {
     }
     for tick in 0..100 {
         board.set_tick(tick);
-        watch.row(tick, &[(tick as f64).to_bits(), 2]);
+        watch.row(tick, &[(tick as f64).to_bits(), 2]).unwrap();
     }
-    watch.end(RunState::Finished);
+    match end {
+        Some(end) => watch.finish(end).unwrap(),
+        None => drop(watch),
+    }
     received.try_iter().collect()
 }
 
@@ -70,7 +73,7 @@ fn ticks_of_values(received: &[(String, Value)]) -> Vec<u64> {
 
 #[test]
 fn a_sample_includes_the_last_row_and_then_the_end() {
-    let received = received(Rate::Sample);
+    let received = received(Rate::Sample, Some(RunState::Finished));
     let ticks = ticks_of_values(&received);
     assert!(ticks.is_sorted_by(|one, next| one < next) && ticks.last() == Some(&99), "{ticks:?}");
     let [.., (values, last_row), (live, end)] = &received[..] else { panic!("{received:?}") };
@@ -80,14 +83,21 @@ fn a_sample_includes_the_last_row_and_then_the_end() {
 }
 
 #[test]
+fn the_end_of_a_run_whose_results_cannot_be_written_is_published_as_that_of_a_broken_run() {
+    let received = received(Rate::Sample, None);
+    let [.., (live, end)] = &received[..] else { panic!("{received:?}") };
+    assert_eq!((live.as_str(), &end["state"]), ("live", &Value::from("broken")));
+}
+
+#[test]
 fn every_row_is_received_in_order_at_the_rate_of_every_tick() {
-    assert_eq!(ticks_of_values(&received(Rate::EveryTick)), (0..100).collect::<Vec<_>>());
+    assert_eq!(ticks_of_values(&received(Rate::EveryTick, Some(RunState::Finished))), (0..100).collect::<Vec<_>>());
 }
 
 #[test]
 fn no_row_is_copied_while_there_is_no_subscriber() {
     let (mut watch, _session, _board) = begun(Rate::EveryTick);
-    watch.row(0, &[0, 0]);
+    watch.row(0, &[0, 0]).unwrap();
     let mut words = VecDeque::new();
     watch.shared.rows().exchange(&mut words);
     assert_eq!(words, Vec::<u64>::new());

@@ -44,7 +44,7 @@ impl Live {
         let addresses = listening.addresses().to_vec();
         let watch = Watch::new(listening, &run.spec, rate).map_err(|error| refusal(&error))?;
         status(&told(watch.run(), &addresses));
-        Ok(ReadyRun { run, observer: Some(Box::new(watch)) })
+        Ok(ReadyRun { run, live: Some(Box::new(|board| Box::new(watch.on(board)))) })
     }
 }
 

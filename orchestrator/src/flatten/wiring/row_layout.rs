@@ -3,13 +3,13 @@
 use super::slot_table::SlotTable;
 use crate::flatten::values::{Slot, ValueType, Values};
 use dsl::scenario::Column;
+use unit::board::RowWriter;
 
 /// The columns, separated into those of outputs and those of inputs.
 #[derive(Debug, Default)]
 pub struct RowLayout {
     outputs: Columns,
     inputs: Columns,
-    columns: usize,
 }
 
 #[derive(Debug, Default)]
@@ -22,7 +22,7 @@ struct Columns {
 
 impl RowLayout {
     pub(super) fn new(columns: &[Column], table: &SlotTable) -> Self {
-        let mut layout = Self { columns: columns.len(), ..Self::default() };
+        let mut layout = Self::default();
         for (column, recorded) in columns.iter().enumerate() {
             match table.input(recorded.port) {
                 Some(slot) => layout.inputs.add(slot, column),
@@ -32,14 +32,8 @@ impl RowLayout {
         layout
     }
 
-    /// An empty row.
-    #[must_use]
-    pub fn row(&self) -> Vec<u64> {
-        vec![0; self.columns]
-    }
-
-    /// Fills a row: the bits of Reals, Integers widened with their sign, Booleans 0 or 1.
-    pub fn fill(&self, outputs: &Values, inputs: &Values, row: &mut [u64]) {
+    /// Sets each column of a row once: the bits of Reals, Integers widened with their sign, Booleans 0 or 1.
+    pub fn fill(&self, outputs: &Values, inputs: &Values, row: &RowWriter<'_>) {
         self.outputs.fill(outputs, row);
         self.inputs.fill(inputs, row);
     }
@@ -56,15 +50,15 @@ impl Columns {
         columns.push((slot.index, column));
     }
 
-    fn fill(&self, values: &Values, row: &mut [u64]) {
+    fn fill(&self, values: &Values, row: &RowWriter<'_>) {
         for &(index, column) in &self.reals {
-            row[column] = values.reals[index].to_bits();
+            row.set(column, values.reals[index].to_bits());
         }
         for &(index, column) in &self.integers {
-            row[column] = i64::from(values.integers[index]).cast_unsigned();
+            row.set(column, i64::from(values.integers[index]).cast_unsigned());
         }
         for &(index, column) in &self.booleans {
-            row[column] = u64::from(values.booleans[index] != 0);
+            row.set(column, u64::from(values.booleans[index] != 0));
         }
     }
 }

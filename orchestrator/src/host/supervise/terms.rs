@@ -3,6 +3,8 @@
 use crate::run::message::Finish;
 use crate::run::run_spec::RunSpec;
 use results::TraceError;
+use results::run_record::RunState;
+use results::sink::Sink;
 use results::verdict::Standing;
 use std::path::Path;
 use std::sync::Arc;
@@ -14,6 +16,9 @@ use unit::failure::{Cause, Failure};
 /// Starts the workers of a run, which are processes of this program, and its loop, which writes rows, messages and claims
 /// to this board.
 pub type StartWorkers = fn(&Path, &RunSpec, &Arc<Board>) -> io::Result<Box<dyn Stepping>>;
+
+/// Begins to show a run while it goes on: how far it is and how its claims stand is on this board.
+pub type BeginLive = Box<dyn FnOnce(&Arc<Board>) -> Box<dyn Sink>>;
 
 /// The process or thread that steps a run, seen by its supervisor.
 pub trait Stepping {
@@ -43,6 +48,18 @@ pub struct RunEnd {
     pub standings: Vec<Standing>,
     /// How long it took.
     pub wall: Duration,
+}
+
+impl RunEnd {
+    /// The state in which the run ended.
+    #[must_use]
+    pub fn state(&self) -> RunState {
+        match (self.interrupted, &self.failure) {
+            (true, _) => RunState::Interrupted,
+            (false, Some(_)) => RunState::Broken,
+            (false, None) => RunState::Finished,
+        }
+    }
 }
 
 /// Why a run could not be looked after.

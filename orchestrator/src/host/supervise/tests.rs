@@ -9,10 +9,13 @@ use results::report::console::Style;
 use results::run_folder::{RunFolder, TRACE_CSV, TRACE_PARQUET};
 use results::run_record::RunState;
 use results::signals::{self, Signal};
+use results::sink::Sink;
+use std::cell::RefCell;
 use std::fs::File;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::ExitStatus;
+use std::rc::Rc;
 use tempfile::TempDir;
 use unit::board::ClaimNote;
 use unit::failure::Doing;
@@ -48,20 +51,16 @@ impl Run {
         Self { home, spec, saving: Saving::default(), board }
     }
 
-    fn supervise(
-        &self,
-        program: &str,
-        live_observer: Option<&mut (dyn LiveObserver + 'static)>,
-    ) -> Result<RunEnd, SuperviseError> {
+    fn supervise(&self, program: &str, live: Option<BeginLive>) -> Result<RunEnd, SuperviseError> {
         let mut console = Console::new(Vec::new(), Style::Tenths);
         let program = Path::new(program);
-        supervise(&self.spec, &self.saving, program, None, Recorder::default(), live_observer, &mut console)
+        supervise(&self.spec, &self.saving, program, None, Recorder::default(), live, &mut console)
     }
 
     fn rows(&self, count: u64) {
         for tick in 0..count {
             self.board.set_tick(tick);
-            self.board.push_row(tick, &[(tick as f64).to_bits()]);
+            self.board.write_row(tick, |row| row.set(0, (tick as f64).to_bits()));
         }
     }
 
@@ -80,7 +79,7 @@ impl Run {
         let mut recorder = Recorder::default();
         recorder.begin_rows(&folder, self.spec.scenario.step_ns, &signals).unwrap();
         let mut console = Console::new(Vec::new(), Style::Tenths);
-        let mut supervision = Supervision::new(&self.spec, &self.saving, &self.board, recorder, None, &mut console);
+        let mut supervision = Supervision::new(&self.spec, &self.saving, &self.board, recorder, &mut console);
         supervision.drain().unwrap();
         let ended = supervision.conclude(cause_of_death(ExitStatus::from_raw(status)), None).unwrap();
         (ended, String::from_utf8(console.into_inner()).unwrap())
@@ -107,43 +106,56 @@ fn rows_and_the_call_of_a_process_that_died_are_there() {
     assert_eq!(SerializedFileReader::new(columns).unwrap().metadata().file_metadata().num_rows(), 3);
 }
 
-/// Stores what it is called with.
-#[derive(Debug, Default)]
-struct RecordingObserver {
-    begun: bool,
-    rows: Vec<(u64, u64)>,
+/// Stores what it is called with; its rows fail from a tick on.
+#[derive(Debug)]
+struct RecordingSink {
+    seen: Rc<RefCell<Vec<String>>>,
+    fails_at: u64,
 }
 
-impl LiveObserver for RecordingObserver {
-    fn begin(&mut self, _: &Arc<Board>) {
-        self.begun = true;
+impl Sink for RecordingSink {
+    fn row(&mut self, tick: u64, slots: &[u64]) -> Result<(), TraceError> {
+        if tick >= self.fails_at {
+            return Err(TraceError::io("write", Path::new("trace.csv"))(io::ErrorKind::StorageFull.into()));
+        }
+        self.seen.borrow_mut().push(format!("{tick}: {}", f64::from_bits(slots[0])));
+        Ok(())
     }
 
-    fn row(&mut self, tick: u64, slots: &[u64]) {
-        self.rows.push((tick, slots[0]));
+    fn finish(self: Box<Self>, end: RunState) -> Result<(), TraceError> {
+        self.seen.borrow_mut().push(format!("{end:?}"));
+        Ok(())
     }
-
-    fn end(self: Box<Self>, _: RunState) {}
 }
 
 #[test]
-fn a_live_observer_gets_every_row_even_if_none_is_written() {
+fn a_sink_takes_every_row_even_if_another_fails_and_a_run_that_is_given_up_is_not_finished() {
     let run = Run::new();
     run.rows(3);
-    let (mut observer, mut console) = (RecordingObserver::default(), Console::new(Vec::new(), Style::Tenths));
-    let recorder = Recorder::default();
-    let mut supervision =
-        Supervision::new(&run.spec, &run.saving, &run.board, recorder, Some(&mut observer), &mut console);
-    supervision.drain().unwrap();
-    assert_eq!(observer.rows, [0, 1, 2].map(|tick| (tick, (tick as f64).to_bits())));
+    let [failing, whole] = [1, u64::MAX].map(|fails_at| (Rc::default(), fails_at));
+    let mut recorder = Recorder::default();
+    for (seen, fails_at) in [&failing, &whole] {
+        recorder.add(Box::new(RecordingSink { seen: Rc::clone(seen), fails_at: *fails_at }));
+    }
+    let mut console = Console::new(Vec::new(), Style::Tenths);
+    let mut supervision = Supervision::new(&run.spec, &run.saving, &run.board, recorder, &mut console);
+    let error = supervision.drain().unwrap_err();
+    supervision.conclude(Cause::Signal(DIED_OF_SIGSEGV), Some(error)).unwrap_err();
+    assert_eq!(*failing.0.borrow(), ["0: 0"]);
+    assert_eq!(*whole.0.borrow(), ["0: 0", "1: 1", "2: 2"]);
 }
 
 #[test]
-fn a_live_observer_is_called_when_a_run_begins() {
+fn what_shows_a_run_begins_with_its_board_and_takes_its_end() {
     let run = Run::new();
-    let mut observer = RecordingObserver::default();
-    run.supervise("/bin/true", Some(&mut observer)).unwrap();
-    assert!(observer.begun);
+    let seen: Rc<RefCell<Vec<String>>> = Rc::default();
+    let sink = RecordingSink { seen: Rc::clone(&seen), fails_at: u64::MAX };
+    let begin: BeginLive = Box::new(|board| {
+        sink.seen.borrow_mut().push(format!("{} columns", board.layout().columns));
+        Box::new(sink)
+    });
+    run.supervise("/bin/true", Some(begin)).unwrap();
+    assert_eq!(*seen.borrow(), ["0 columns", "Broken"]);
 }
 
 #[test]
@@ -184,7 +196,7 @@ fn what_the_run_says_about_its_break_counts_more_than_how_its_process_ended() {
 fn a_death_is_kept_when_the_last_rows_cannot_be_written() {
     let run = Run::new();
     let mut console = Console::new(Vec::new(), Style::Tenths);
-    let supervision = Supervision::new(&run.spec, &run.saving, &run.board, Recorder::default(), None, &mut console);
+    let supervision = Supervision::new(&run.spec, &run.saving, &run.board, Recorder::default(), &mut console);
     let full = TraceError::io("write", Path::new("trace.csv"))(io::ErrorKind::StorageFull.into());
     let error = supervision.conclude(Cause::Signal(DIED_OF_SIGSEGV), Some(full)).unwrap_err();
     let SuperviseError::Broken { failure, .. } = &error else { panic!("{error:?}") };

@@ -2,6 +2,7 @@
 
 use super::Checkpoint;
 use results::verdict::Standing;
+use unit::board::RowWriter;
 
 /// Receives what the loop reports. The loop waits for each of these calls, so they must be quick.
 pub trait Observer {
@@ -9,8 +10,8 @@ pub trait Observer {
     fn reached(&mut self, tick: u64);
     /// Whether the run is to end early.
     fn stop_requested(&self) -> bool;
-    /// A row is complete.
-    fn row(&mut self, tick: u64, row: &[u64]);
+    /// The row of a tick is due; `fill` sets all its columns.
+    fn row(&mut self, tick: u64, fill: impl FnOnce(RowWriter<'_>));
     /// Whether the run is to be saved after the row of this tick.
     fn wants_checkpoint(&self, tick: u64) -> bool;
     /// Stores the checkpoint.

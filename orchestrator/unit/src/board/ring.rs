@@ -104,6 +104,26 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Writes the values of a row to where its reader will read them.
+#[derive(Debug)]
+pub struct RowWriter<'a> {
+    slots: &'a [AtomicU64],
+}
+
+impl<'a> RowWriter<'a> {
+    /// A row of as many columns as there are slots.
+    #[must_use]
+    pub fn new(slots: &'a [AtomicU64]) -> Self {
+        Self { slots }
+    }
+
+    /// Stores the value of a column. Relaxed, since the row is published after all its values are stored.
+    #[inline]
+    pub fn set(&self, column: usize, value: u64) {
+        self.slots[column].store(value, Ordering::Relaxed);
+    }
+}
+
 /// Rows: a tick and as many values as the board has columns.
 #[derive(Debug)]
 pub(super) struct Rows {
@@ -118,16 +138,15 @@ impl Rows {
         Self { layout, reader: Reader::new(layout, words) }
     }
 
-    pub fn push(&self, words: &[AtomicU64], tick: u64, slots: &[u64]) {
-        assert_eq!(slots.len() + 1, self.layout.stride, "a row has as many values as the board has columns");
+    #[inline]
+    pub fn write(&self, words: &[AtomicU64], tick: u64, fill: impl FnOnce(RowWriter<'_>)) {
         let control = self.layout.control(words);
         let head = control[HEAD_AT].load(Ordering::Relaxed);
         self.layout.wait_for_room(words, head, 1);
-        let (first, rest) = self.layout.slot(words, head).split_first().unwrap_or_else(|| unreachable!("a tick"));
+        let (first, slots) = self.layout.slot(words, head).split_first().unwrap_or_else(|| unreachable!("a tick"));
         first.store(tick, Ordering::Relaxed);
-        for (word, &value) in rest.iter().zip(slots) {
-            word.store(value, Ordering::Relaxed);
-        }
+        fill(RowWriter::new(slots));
+        // After `fill`: if it panics, the row is not published and the next one is written in its place.
         control[HEAD_AT].store(head.wrapping_add(1), Ordering::Release);
     }
 

@@ -17,6 +17,10 @@ fn both_sides() -> (tempfile::TempDir, Board, Board) {
     (folder, parent, child)
 }
 
+fn write(board: &Board, tick: u64, slots: [u64; 3]) {
+    board.write_row(tick, |row| slots.into_iter().enumerate().for_each(|(column, value)| row.set(column, value)));
+}
+
 #[test]
 fn a_board_is_readable_by_its_owner_only_and_never_overwrites_a_file() {
     let (folder, parent, child) = both_sides();
@@ -77,7 +81,7 @@ fn rows_arrive_in_order_however_often_the_ring_wraps_around() {
     let (_folder, parent, child) = both_sides();
     let rows = 5 * parent.offsets.row_capacity as u64 + 3;
     thread::scope(|scope| {
-        scope.spawn(|| (0..rows).for_each(|tick| child.push_row(tick, &[tick, !tick, tick * 3])));
+        scope.spawn(|| (0..rows).for_each(|tick| write(&child, tick, [tick, !tick, tick * 3])));
         let mut next = 0;
         while next < rows {
             parent.pop_rows(|tick, slots| {
@@ -87,6 +91,19 @@ fn rows_arrive_in_order_however_often_the_ring_wraps_around() {
         }
     });
     assert_eq!(parent.pop_rows(|_, _| unreachable!("all rows were read")), 0);
+}
+
+#[test]
+fn a_row_whose_writer_panics_is_not_published_and_the_next_one_is() {
+    let (_folder, parent, child) = both_sides();
+    write(&child, 1, [2, 3, 4]);
+    let half_written =
+        || child.write_row(2, |row| [0, LAYOUT.columns].into_iter().for_each(|column| row.set(column, 7)));
+    assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(half_written)).is_err());
+    write(&child, 3, [4, 5, 6]);
+    let mut rows = Vec::new();
+    parent.pop_rows(|tick, slots| rows.push((tick, slots.to_vec())));
+    assert_eq!(rows, [(1, vec![2, 3, 4]), (3, vec![4, 5, 6])]);
 }
 
 #[test]
@@ -164,7 +181,7 @@ proptest::proptest! {
     ) {
         let (_folder, parent, child) = both_sides();
         child.push_message(b"before");
-        child.push_row(1, &[2, 3, 4]);
+        write(&child, 1, [2, 3, 4]);
         for (at, value) in overwritten {
             child.word(at).store(value, Ordering::Relaxed);
         }

@@ -16,6 +16,8 @@ use fmi2::description::{Causality, Kind, ModelDescription, RealAttributes, RealV
 use results::verdict::{Standing, Verdict};
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::sync::atomic::AtomicU64;
+use unit::board::RowWriter;
 use unit::failure::{Cause, Doing, Failure};
 
 /// Variables of every fake unit.
@@ -182,6 +184,7 @@ impl Script {
         };
         let workers = (0..=self.worker_of.iter().copied().max().unwrap_or(0)).map(worker).collect();
         let mut seen = Seen {
+            columns: self.scenario.columns.len(),
             rows: Vec::new(),
             first_row: self.from.as_ref().map_or(0, |checkpoint| checkpoint.tick + 1),
             standings: Vec::new(),
@@ -201,6 +204,7 @@ impl Script {
 }
 
 struct Seen {
+    columns: usize,
     rows: Vec<Vec<f64>>,
     first_row: u64,
     standings: Vec<Option<Standing>>,
@@ -217,9 +221,11 @@ impl Observer for &mut Seen {
     fn stop_requested(&self) -> bool {
         self.stop_at.is_some_and(|at| self.tick >= at)
     }
-    fn row(&mut self, tick: u64, row: &[u64]) {
+    fn row(&mut self, tick: u64, fill: impl FnOnce(RowWriter<'_>)) {
         assert_eq!(tick, self.first_row + self.rows.len() as u64, "rows come without gaps");
-        self.rows.push(row.iter().map(|&bits| f64::from_bits(bits)).collect());
+        let row: Vec<_> = (0..self.columns).map(|_| AtomicU64::new(u64::MAX)).collect();
+        fill(RowWriter::new(&row));
+        self.rows.push(row.into_iter().map(|bits| f64::from_bits(bits.into_inner())).collect());
     }
     fn wants_checkpoint(&self, tick: u64) -> bool {
         self.saves.contains(&tick)
