@@ -27,11 +27,11 @@ const START_WORKERS: Option<StartWorkers> = Some(crate::bus::start_isolated);
 #[cfg(not(feature = "bus"))]
 const START_WORKERS: Option<StartWorkers> = None;
 
-/// Carries out what is prepared, has its outcome told, and returns the exit code.
+/// Carries out a prepared run, has its outcome printed, and returns the exit code.
 pub(super) fn reached(
     ready: Result<ReadyRun, Refusal>,
     style: Style,
-    tell: impl FnOnce(&RunOutcome) -> Result<(), TraceError>,
+    print: impl FnOnce(&RunOutcome) -> Result<(), TraceError>,
 ) -> u8 {
     let ready = match ready {
         Ok(ready) => ready,
@@ -40,11 +40,11 @@ pub(super) fn reached(
             return USAGE;
         }
     };
-    let told = carry_out(ready, style, START_WORKERS).and_then(|outcome| {
-        tell(&outcome).map_err(SuperviseError::Trace)?;
+    let code = carry_out(ready, style, START_WORKERS).and_then(|outcome| {
+        print(&outcome).map_err(SuperviseError::Trace)?;
         Ok(of(outcome.ended.interrupted, outcome.ended.failure.is_some(), outcome.verdict.count()))
     });
-    told.unwrap_or_else(|error| {
+    code.unwrap_or_else(|error| {
         let help = match &error {
             SuperviseError::Trace(error) | SuperviseError::Broken { error, .. } => error.help(),
             SuperviseError::Start { .. } => None,

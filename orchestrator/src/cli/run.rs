@@ -92,7 +92,7 @@ impl Run {
     #[must_use]
     pub fn run(&self) -> u8 {
         exit_code::reached(self.prepare(), Style::fitting(self.progress.is_some()), |outcome| {
-            self.tell(outcome);
+            self.print(outcome);
             Ok(())
         })
     }
@@ -142,7 +142,7 @@ impl Run {
         pairs.iter().map(save).collect()
     }
 
-    fn tell(&self, outcome: &RunOutcome) {
+    fn print(&self, outcome: &RunOutcome) {
         let verdict = &outcome.verdict;
         if self.json {
             report::result(&verdict.json());

@@ -63,7 +63,7 @@ impl Simulate {
     /// Runs the command and returns its exit code.
     #[must_use]
     pub fn run(&self) -> u8 {
-        exit_code::reached(self.prepare().map(ReadyRun::from), Style::fitting(false), |outcome| self.tell(outcome))
+        exit_code::reached(self.prepare().map(ReadyRun::from), Style::fitting(false), |outcome| self.print(outcome))
     }
 
     fn prepare(&self) -> Result<PreparedRun, Refusal> {
@@ -109,7 +109,7 @@ impl Simulate {
         Ok((curves, file))
     }
 
-    fn tell(&self, outcome: &RunOutcome) -> Result<(), TraceError> {
+    fn print(&self, outcome: &RunOutcome) -> Result<(), TraceError> {
         if let Some(output) = &self.output {
             let copied = std::fs::copy(outcome.folder.path().join(TRACE_CSV), output);
             copied.map_err(TraceError::io("write", output))?;

@@ -107,8 +107,8 @@ impl Catalogue {
 fn no_file(name: &str, path: &Path) -> UnitProblem {
     let near = archives_in(path.parent().unwrap_or(Path::new(".")));
     let names: Vec<_> = near.iter().map(|entry| format!("{}.fmu", entry.name)).collect();
-    let wanted = Path::new(name).file_name().map(|file| file.to_string_lossy().into_owned()).unwrap_or_default();
-    let help = dsl::nearest::nearest(&wanted, names.iter().map(String::as_str)).map_or_else(
+    let file_name = Path::new(name).file_name().map(|file| file.to_string_lossy().into_owned()).unwrap_or_default();
+    let help = dsl::nearest::nearest(&file_name, names.iter().map(String::as_str)).map_or_else(
         || "paths are relative to the script".to_owned(),
         |near| format!("paths are relative to the script; did you mean `{near}`?"),
     );

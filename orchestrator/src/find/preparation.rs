@@ -22,8 +22,8 @@ use std::sync::Arc;
 use tempfile::TempDir;
 use unit::archive::{Unpacked, unpack};
 
-/// How many findings about one unit a run mentions.
-const FINDINGS_TOLD: usize = 3;
+/// How many findings about one unit a run prints.
+const FINDINGS_SHOWN: usize = 3;
 
 /// Why a run cannot begin, as the user reads it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -127,7 +127,7 @@ pub fn default_folder(script: &Path) -> PathBuf {
     Path::new("runs").join(script.file_stem().unwrap_or(script.as_os_str()))
 }
 
-/// Unpacks each unit into a folder of its own; what the standard has against it is told and tolerated.
+/// Unpacks each unit into a folder of its own. Violations of the standard are printed as warnings.
 fn unpack_all(script: &Script, home: &Path) -> Result<Vec<UnitSpec>, Refusal> {
     let mut units = Vec::new();
     for (index, unit) in script.units.iter().enumerate() {
@@ -144,9 +144,9 @@ fn unpack_all(script: &Script, home: &Path) -> Result<Vec<UnitSpec>, Refusal> {
 
 fn finding_lines(name: &str, archive: &Path, findings: &[Finding]) -> Vec<String> {
     let broken: Vec<_> = findings.iter().filter(|finding| finding.severity == Severity::Error).collect();
-    let told = broken.iter().take(FINDINGS_TOLD);
-    let mut lines: Vec<_> = told.map(|finding| format!("warning: unit `{name}`: {finding}")).collect();
-    if let Some(more) = broken.len().checked_sub(FINDINGS_TOLD).filter(|&more| more > 0) {
+    let shown = broken.iter().take(FINDINGS_SHOWN);
+    let mut lines: Vec<_> = shown.map(|finding| format!("warning: unit `{name}`: {finding}")).collect();
+    if let Some(more) = broken.len().checked_sub(FINDINGS_SHOWN).filter(|&more| more > 0) {
         lines.push(format!("warning: unit `{name}`: and {more} more: lockstep check {}", archive.display()));
     }
     lines
@@ -228,9 +228,9 @@ mod tests {
         std::fs::create_dir(&inner).unwrap();
         std::fs::write(home.path().join("secret"), "").unwrap();
         std::os::unix::fs::symlink("../secret", inner.join("link")).unwrap();
-        for (name, words) in [("../secret", "outside"), ("link", "outside"), ("none.csv", "cannot read")] {
+        for (name, text) in [("../secret", "outside"), ("link", "outside"), ("none.csv", "cannot read")] {
             let refusal = files_of(&with_file(name), &inner).map(drop).unwrap_err();
-            assert!(refusal.0.contains(words), "{}", refusal.0);
+            assert!(refusal.0.contains(text), "{}", refusal.0);
         }
     }
 

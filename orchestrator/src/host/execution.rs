@@ -1,4 +1,4 @@
-//! Carries out a run that is prepared: looks after it and leaves its files.
+//! Carries out a prepared run: supervises it and writes its files.
 
 use crate::flatten::claims;
 use crate::flatten::columns;
@@ -57,10 +57,10 @@ impl RunOutcome {
     }
 }
 
-/// Runs to the end. What broke, if something did, is told; `run.json` says it too, whatever else could not be written.
+/// Runs to the end. A failure is printed and written to `run.json`, whatever else could not be written.
 ///
 /// # Errors
-/// If the run could not be looked after, or its files not be written.
+/// The run could not be supervised, or its files not be written.
 pub fn carry_out(
     ready: ReadyRun,
     style: Style,
@@ -88,7 +88,7 @@ pub fn carry_out(
     Ok(RunOutcome { ended, verdict, folder, script, from_s: spec.from_s(), stop_s })
 }
 
-/// Notes, and tells as far as the caller will not, what broke a run that left no results.
+/// Writes what broke a run without results to `run.json`. Prints it too where the error that the caller prints is another.
 fn note_break(folder: &mut RunFolder, record: &mut RunRecord, error: &SuperviseError) {
     record.broken = Some(match error {
         SuperviseError::Broken { failure, .. } => {
@@ -98,7 +98,7 @@ fn note_break(folder: &mut RunFolder, record: &mut RunRecord, error: &SuperviseE
         SuperviseError::Start { .. } | SuperviseError::Trace(_) => Broken::outside_of_calls(error),
     });
     record.state = RunState::Broken;
-    // The error itself says more than one about the record.
+    // The caller reports the error itself, which matters more than a record that cannot be written.
     let _ = folder.note(record);
 }
 

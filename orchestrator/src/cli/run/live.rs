@@ -23,7 +23,7 @@ impl Live {
         self.live.is_some() || self.live_every_tick
     }
 
-    /// Listens where the command line says, if it does.
+    /// Listens at the endpoint of the command line, if it has one.
     pub fn listen(&self) -> Result<Option<Listening>, Refusal> {
         let unnamed = self.live_every_tick.then_some(ANY_LOCAL_PORT);
         let Some(endpoint) = self.live.as_deref().or(unnamed) else { return Ok(None) };
@@ -37,7 +37,7 @@ impl Live {
         Ok(Some(listening))
     }
 
-    /// Makes a run one that can be watched, and tells how.
+    /// Makes a run one that can be watched, and prints how.
     pub fn show(&self, listening: Option<Listening>, run: PreparedRun) -> Result<ReadyRun, Refusal> {
         let Some(listening) = listening else { return Ok(run.into()) };
         let rate = if self.live_every_tick { Rate::EveryTick } else { Rate::Sample };
@@ -52,7 +52,7 @@ fn refusal(error: &ListenError) -> Refusal {
     Refusal::new(error, Some(error.help()))
 }
 
-/// The name and addresses of a run, and a line that shows it to whoever pastes it.
+/// The name and addresses of a run, and a command line that watches it.
 fn told(run: &str, addresses: &[String]) -> String {
     let first = addresses.first().map_or(ANY_LOCAL_PORT, String::as_str);
     let settings = format!(r#"{{mode: \"client\", connect: {{endpoints: [\"{first}\"]}}}}"#);

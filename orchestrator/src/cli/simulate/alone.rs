@@ -1,4 +1,4 @@
-//! A scenario of one unit alone, written as a script, so that whatever is wrong with it is told as in scripts.
+//! A scenario of one unit alone, written as a script, so that errors in it are reported as in scripts.
 
 use super::experiment::Experiment;
 use super::input_file::Curves;

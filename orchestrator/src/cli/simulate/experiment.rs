@@ -70,12 +70,12 @@ fn differs(time_s: f64, ns: f64) -> bool {
 }
 
 fn note(times: [(&str, f64, f64); 2]) -> Option<String> {
-    let told = times.into_iter().filter(|&(_, asked_s, ns)| differs(asked_s, ns)).map(|(name, asked_s, ns)| {
+    let changes = times.into_iter().filter(|&(_, asked_s, ns)| differs(asked_s, ns)).map(|(name, asked_s, ns)| {
         format!("{name} {} s instead of {} s", shortest_decimal(ns / 1e9), shortest_decimal(asked_s))
     });
-    let told: Vec<_> = told.collect();
+    let changes: Vec<_> = changes.collect();
     let why = "a step is whole nanoseconds, and a run ends with a whole step";
-    (!told.is_empty()).then(|| format!("note: {}: {why}", told.join(", ")))
+    (!changes.is_empty()).then(|| format!("note: {}: {why}", changes.join(", ")))
 }
 
 /// When the unit would begin by itself; here every run begins at zero.
@@ -169,13 +169,13 @@ mod tests {
 
     #[test]
     fn an_option_that_does_not_fit_is_named() {
-        let told = |stop_s, step_s| Experiment::new(stop_s, step_s, &ModelDescription::default()).unwrap_err().0;
+        let refusal = |stop_s, step_s| Experiment::new(stop_s, step_s, &ModelDescription::default()).unwrap_err().0;
         insta::assert_snapshot!(
             [
-                told(Some(1.0), Some(0.3)),
-                told(None, Some(1.5e-9)),
-                told(Some(1e-12), None),
-                told(Some(1e10), None),
+                refusal(Some(1.0), Some(0.3)),
+                refusal(None, Some(1.5e-9)),
+                refusal(Some(1e-12), None),
+                refusal(Some(1e10), None),
             ].join("\n"),
             @r"
         error: --stop 1 s is no whole number of steps of --step 0.3 s

@@ -98,8 +98,8 @@ fn variables(header: &[Cell], description: &ModelDescription) -> Result<Vec<usiz
         let Some(variable) = description.variable(&cell.text) else { return Err(unknown(cell, description)) };
         let declared = &description.variables[variable];
         if !may_be_driven(declared) {
-            let told = format!("`{}` is neither an input nor tunable: {}", cell.text, declared.causality.name());
-            return Err(cell.wrong(told));
+            let message = format!("`{}` is neither an input nor tunable: {}", cell.text, declared.causality.name());
+            return Err(cell.wrong(message));
         }
         if matches!(declared.kind, Kind::String { .. }) {
             return Err(
@@ -166,8 +166,8 @@ fn value(cell: &Cell, variable: &Variable) -> Result<f64, Wrong> {
         Kind::Integer { .. } | Kind::Enumeration { .. } => {
             let value = number(cell, "a whole number")?;
             let is_whole = value == libm::rint(value) && (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&value);
-            let told = || cell.wrong(format!("`{}` is no whole number of 32 bits, which `{name}` takes", cell.text));
-            if is_whole { Ok(value) } else { Err(told()) }
+            let error = || cell.wrong(format!("`{}` is no whole number of 32 bits, which `{name}` takes", cell.text));
+            if is_whole { Ok(value) } else { Err(error()) }
         }
         Kind::Real(_) | Kind::String { .. } => number(cell, "a number"),
     }
@@ -193,13 +193,13 @@ mod tests {
     fn reals_are_interpolated_and_everything_else_is_held() {
         let text = "\u{feff}time,\"open\",inflow,gain\r\n0,true,1.5,1\r\n\r\n2,0,2.5,3\r\n";
         let curves = read(text, &tank()).unwrap();
-        let told: Vec<_> = curves.iter().map(|(variable, curve)| (*variable, curve.held, curve.rows.clone())).collect();
+        let read: Vec<_> = curves.iter().map(|(variable, curve)| (*variable, curve.held, curve.rows.clone())).collect();
         let expected = [
             (1, false, vec![(0.0, 1.5), (2.0, 2.5)]),
             (3, true, vec![(0.0, 1.0), (2.0, 0.0)]),
             (6, true, vec![(0.0, 1.0), (2.0, 3.0)]),
         ];
-        assert_eq!(told, expected);
+        assert_eq!(read, expected);
     }
 
     proptest::proptest! {
@@ -217,9 +217,9 @@ mod tests {
 
     #[test]
     fn a_quoted_name_may_hold_commas_and_quotes() {
-        let told: Vec<_> =
+        let read: Vec<_> =
             cells("time, \"m[1,2]\" ,\"say \"\"x\"\"\"", 1).into_iter().map(|c| (c.column, c.text)).collect();
-        assert_eq!(told, [(1, "time".into()), (7, "m[1,2]".into()), (17, "say \"x\"".into())]);
+        assert_eq!(read, [(1, "time".into()), (7, "m[1,2]".into()), (17, "say \"x\"".into())]);
     }
 
     #[test]

@@ -34,10 +34,10 @@ mod tests {
     #[test]
     fn a_bare_value_is_in_the_variables_own_unit() {
         let description = tank();
-        let told = |setting| bare(setting, &description).map(|preset| preset.value);
-        assert_eq!(told("area = 2.5"), Some(Value::Real(2.5)));
-        assert_eq!(told("mode=2"), Some(Value::Integer(2)));
-        assert_eq!(told("open = 0"), Some(Value::Boolean(false)));
+        let value = |setting| bare(setting, &description).map(|preset| preset.value);
+        assert_eq!(value("area = 2.5"), Some(Value::Real(2.5)));
+        assert_eq!(value("mode=2"), Some(Value::Integer(2)));
+        assert_eq!(value("open = 0"), Some(Value::Boolean(false)));
     }
 
     #[test]

@@ -53,11 +53,11 @@ impl Candidate<'_> {
             let lacking: Vec<_> = lacking.iter().filter(|(_, offered)| !offered).map(|(name, _)| *name).collect();
             (!lacking.is_empty()).then(|| format!("\n  unit `{}` lacks {}", unit.name, lacking.join(" and ")))
         };
-        let told: String = self.units.iter().filter_map(lacks).collect();
-        if told.is_empty() {
+        let lacking: String = self.units.iter().filter_map(lacks).collect();
+        if lacking.is_empty() {
             return Ok(());
         }
-        let message = format!("this run can neither be saved nor continued{told}");
+        let message = format!("this run can neither be saved nor continued{lacking}");
         Err(Refusal::new(&message, Some("have these units exported with both, or leave out --save-at and --from")))
     }
 
@@ -82,19 +82,19 @@ impl Candidate<'_> {
         let Scenario { step_ns, stop_tick, .. } = *self.scenario;
         let at = |tick| format!("{} s", seconds(tick, step_ns));
         let time_ns = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
-        let told = format!("--save-at {} s", time.as_secs_f64());
+        let option = format!("--save-at {} s", time.as_secs_f64());
         let tick = time_ns / step_ns;
         if tick >= stop_tick {
-            let message = format!("{told}: nothing is left to run then, the run stops at {}", at(stop_tick));
+            let message = format!("{option}: nothing is left to run then, the run stops at {}", at(stop_tick));
             return Err(Refusal::new(&message, Some(&format!("the last time to save at is {}", at(stop_tick - 1)))));
         }
         if !time_ns.is_multiple_of(step_ns) {
-            let message = format!("{told} does not fall on the {} grid", at(1));
+            let message = format!("{option} does not fall on the {} grid", at(1));
             let neighbours = (tick..=tick + 1).filter(|&tick| tick < stop_tick).map(at).collect::<Vec<_>>();
             return Err(Refusal::new(&message, Some(&neighbours.join(" or "))));
         }
         if tick < first_tick {
-            let message = format!("{told}: this run has its first row at {}", at(first_tick));
+            let message = format!("{option}: this run has its first row at {}", at(first_tick));
             return Err(Refusal::new(&message, Some("save later, or from a run that begins earlier")));
         }
         let folder = file.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));

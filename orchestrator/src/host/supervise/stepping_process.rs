@@ -1,6 +1,6 @@
-//! The child of a run: this program once more, told what to do through its standard input.
+//! The child of a run: this program once more, which reads its plan from standard input.
 //!
-//! Its standard input stays open as long as the parent lives; that it closes tells the child that the parent is gone.
+//! Its standard input stays open as long as the parent lives; by its end the child detects that the parent has ended.
 //! What units print on either stream goes to the parent's standard error.
 
 use super::{Stepping, cause_of_death};
@@ -31,7 +31,7 @@ impl SteppingProcess {
         command.arg(SUBCOMMAND).stdin(Stdio::piped()).stdout(stderr).process_group(0);
         let mut process = Self { child: command.spawn()?, status: None };
         match process.send(&bytes) {
-            // A child that is gone already tells why by its exit status.
+            // A child that has ended already reports the reason by its exit status.
             Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error),
             _ => Ok(process),
         }
@@ -55,7 +55,7 @@ impl Stepping for SteppingProcess {
     }
 
     fn kill(&mut self) {
-        // It may be gone already; `ended` tells.
+        // It may have ended already, which `ended` reports.
         let _ = self.child.kill();
     }
 }

@@ -60,13 +60,18 @@ fn serve(address: &Address, kind: Kind, fault: Fault, over: &AtomicBool) {
     link.close();
 }
 
-/// Makes a whole run of one step with a faulty worker; returns its outputs or failure, and the number of log messages.
-fn run_with(kind: Kind, fault: Fault) -> (Result<Values, String>, usize) {
+/// Connects to a faulty worker; `worker_of` gives the worker of each of the two instances, and this one is worker 0. Returns
+/// the result or failure of `run`, and the number of log messages.
+fn with_worker<R>(
+    (kind, fault): (Kind, Fault),
+    worker_of: [usize; 2],
+    run: impl FnOnce(&mut Remote<'_>, &Wiring, &HangMonitor) -> Result<R, Failure>,
+) -> (Result<R, String>, usize) {
     let (folder, fmu) = Foreign::default().build();
     let unpacked = unpack(&fmu, &folder.path().join("unpacked")).unwrap();
     let spec = spec(10, &unpacked);
     let descriptions = [&unpacked.description; 2];
-    let wiring = Wiring::new(&spec.scenario, &descriptions, &[0, 1]);
+    let wiring = Wiring::new(&spec.scenario, &descriptions, &worker_of);
     let address = Address { home: folder.path().to_owned(), number: 0 };
     let board = Arc::new(Board::create(&address.board(), &BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap());
     let processes = Arc::new(WorkerProcesses::start(&repository().join("tests/foreign/idle.sh"), [&address]).unwrap());
@@ -74,19 +79,34 @@ fn run_with(kind: Kind, fault: Fault) -> (Result<Values, String>, usize) {
     let counter = Arc::clone(&count);
     let sink: MessageSink = Arc::new(move |_| *counter.lock().unwrap() += 1);
     let hang_monitor = Arc::new(HangMonitor::new(&[Arc::clone(&board)], Some(Duration::from_millis(400))));
+    let monitor = Arc::clone(&hang_monitor);
     let handle = WorkerHandle { address: address.clone(), board, processes, hang_monitor };
     let over = Arc::new(AtomicBool::new(false));
     let stop = Arc::clone(&over);
     let worker = thread::spawn(move || serve(&address, kind, fault, &stop));
-    let mut outputs = wiring.outputs.clone();
-    let run = || -> Result<(), Failure> {
-        let mut remote = Remote::connect(&spec, &wiring, handle, sink, "0123456789abcdef")?;
+    let connected = Remote::connect(&spec, &wiring, handle, sink, "0123456789abcdef");
+    let result = connected.and_then(|mut remote| run(&mut remote, &wiring, &monitor));
+    over.store(true, Ordering::Release);
+    worker.join().unwrap();
+    let count = *count.lock().unwrap();
+    (result.map_err(|failure| failure.to_string()), count)
+}
+
+/// Brings a worker to where steps can be ordered.
+fn start(remote: &mut Remote<'_>, outputs: &mut Values) -> Result<(), Lost> {
+    for step in [Remote::shake_hands, Remote::open, Remote::enter] {
+        let pending = step(remote)?;
+        remote.confirm(pending)?;
+    }
+    remote.start(outputs)
+}
+
+/// Makes a whole run of one step with a faulty worker; returns its outputs or failure, and the number of log messages.
+fn run_with(kind: Kind, fault: Fault) -> (Result<Values, String>, usize) {
+    with_worker((kind, fault), [0, 1], |remote, wiring, _| {
+        let mut outputs = wiring.outputs.clone();
         let mut run_once = || {
-            for step in [Remote::shake_hands, Remote::open, Remote::enter] {
-                let pending = step(&mut remote)?;
-                remote.confirm(pending)?;
-            }
-            remote.start(&mut outputs)?;
+            start(remote, &mut outputs)?;
             let ticket = remote.order(&Order { group: 0, tick: TICK, inputs: &wiring.inputs })?;
             remote.reply(ticket, TICK + 1, &mut outputs)?;
             remote.finish(TICK + 1, Shutdown::Orderly)
@@ -96,13 +116,47 @@ fn run_with(kind: Kind, fault: Fault) -> (Result<Values, String>, usize) {
             assert!(remote.order(&Order { group: 0, tick: TICK, inputs: &wiring.inputs }).is_err(), "it stays lost");
             remote.finish(TICK, Shutdown::Immediate).unwrap();
         }
-        ran
-    };
-    let result = run().map_err(|failure| failure.to_string());
-    over.store(true, Ordering::Release);
-    worker.join().unwrap();
-    let count = *count.lock().unwrap();
-    (result.map(|()| outputs), count)
+        ran.map(|()| outputs)
+    })
+}
+
+#[test]
+fn replies_of_two_groups_of_a_worker_may_be_awaited_in_any_order() {
+    let (result, _) = with_worker((Kind::Stepped, Some), [0, 0], |remote, wiring, _| {
+        let mut outputs = wiring.outputs.clone();
+        let order = |remote: &mut Remote<'_>, group, tick| remote.order(&Order { group, tick, inputs: &wiring.inputs });
+        let mut run = || {
+            start(remote, &mut outputs)?;
+            let tickets = [order(remote, 0, TICK)?, order(remote, 1, TICK)?];
+            for ticket in tickets.into_iter().rev() {
+                remote.reply(ticket, TICK + 1, &mut outputs)?;
+            }
+            // Two steps that end after the run; the one of the later group was ordered first.
+            order(remote, 1, TICK + 1)?;
+            order(remote, 0, TICK + 1)?;
+            remote.finish(TICK + 1, Shutdown::Orderly)
+        };
+        run().map_err(|lost| lost.failure)
+    });
+    assert_eq!(result, Ok(()));
+}
+
+#[test]
+fn another_order_does_not_extend_the_time_of_the_first() {
+    let (result, _) = with_worker((Kind::Stepped, |_| None), [0, 0], |remote, wiring, monitor| {
+        start(remote, &mut wiring.outputs.clone()).map_err(|lost| lost.failure)?;
+        let mut checks_until_found = |group, most| {
+            remote.order(&Order { group, tick: TICK, inputs: &wiring.inputs }).map_err(|lost| lost.failure)?;
+            // Until the worker has executed the order: each new call restarts the time.
+            thread::sleep(Duration::from_millis(100));
+            Ok((1..=most).find(|_| monitor.check(0, Duration::from_millis(50)).is_some()))
+        };
+        let first = checks_until_found(0, 5)?;
+        let second = checks_until_found(1, 20)?;
+        remote.finish(TICK, Shutdown::Immediate).ok();
+        Ok((first, second))
+    });
+    assert_eq!(result, Ok((None, Some(4))), "the first check begins the time of 0.4 s");
 }
 
 #[test]
