@@ -97,7 +97,8 @@ fn rows_arrive_in_order_however_often_the_ring_wraps_around() {
 fn a_row_whose_writer_panics_is_not_published_and_the_next_one_is() {
     let (_folder, parent, child) = both_sides();
     write(&child, 1, [2, 3, 4]);
-    let half_written = || child.write_row(2, |row| [0, LAYOUT.columns].into_iter().for_each(|column| row.set(column, 7)));
+    let half_written =
+        || child.write_row(2, |row| [0, LAYOUT.columns].into_iter().for_each(|column| row.set(column, 7)));
     assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(half_written)).is_err());
     write(&child, 3, [4, 5, 6]);
     let mut rows = Vec::new();
