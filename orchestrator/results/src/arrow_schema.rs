@@ -140,7 +140,18 @@ impl Buffer {
 
 #[cfg(test)]
 mod tests {
+    use super::super::signals::tests::signal;
     use super::*;
+
+    #[test]
+    fn only_a_column_that_is_not_always_due_is_nullable() {
+        let nullable = |every| {
+            let Value::Table(fields) = field(&Signal { every, ..signal("quad.x", SlotType::Real) }) else { panic!() };
+            fields[1].clone()
+        };
+        assert!(nullable(1).is_none());
+        assert!(matches!(nullable(2), Some(Value::Number(1))));
+    }
 
     #[test]
     fn a_table_is_laid_out_as_flatbuffers_says() {

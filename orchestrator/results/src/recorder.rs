@@ -75,11 +75,12 @@ impl Recorder {
     /// # Errors
     /// The first of the sinks.
     pub fn finish(self, end: RunState) -> Result<(), TraceError> {
-        self.sinks.into_iter().fold(Ok(()), |finished, sink| {
-            let end = if finished.is_ok() { end } else { RunState::Broken };
-            let next = sink.finish(end);
-            finished.and(next)
-        })
+        let mut first = Ok(());
+        for sink in self.sinks {
+            let finished = sink.finish(if first.is_ok() { end } else { RunState::Broken });
+            first = first.and(finished);
+        }
+        first
     }
 
     /// Calls each sink and drops those that fail: a file that cannot be written keeps its partial name.

@@ -41,9 +41,12 @@ fn begun(rate: Rate) -> (Box<Watch>, Session, Arc<Board>) {
     (Box::new(watch), session, board)
 }
 
-/// Publishes a run of 100 ticks, which ends so or is dropped; returns the messages received, each with the last chunk of
-/// its key.
-fn received(rate: Rate, end: Option<RunState>) -> Vec<(String, Value)> {
+fn finish(watch: Box<Watch>) {
+    watch.finish(RunState::Finished).unwrap();
+}
+
+/// Publishes a run of 100 ticks; returns the messages received, each with the last chunk of its key.
+fn received(rate: Rate, end: fn(Box<Watch>)) -> Vec<(String, Value)> {
     let (mut watch, session, board) = begun(rate);
     let (sender, received) = mpsc::channel();
     let callback = move |sample: Sample| {
@@ -59,10 +62,7 @@ fn received(rate: Rate, end: Option<RunState>) -> Vec<(String, Value)> {
         board.set_tick(tick);
         watch.row(tick, &[(tick as f64).to_bits(), 2]).unwrap();
     }
-    match end {
-        Some(end) => watch.finish(end).unwrap(),
-        None => drop(watch),
-    }
+    end(watch);
     received.try_iter().collect()
 }
 
@@ -73,7 +73,7 @@ fn ticks_of_values(received: &[(String, Value)]) -> Vec<u64> {
 
 #[test]
 fn a_sample_includes_the_last_row_and_then_the_end() {
-    let received = received(Rate::Sample, Some(RunState::Finished));
+    let received = received(Rate::Sample, finish);
     let ticks = ticks_of_values(&received);
     assert!(ticks.is_sorted_by(|one, next| one < next) && ticks.last() == Some(&99), "{ticks:?}");
     let [.., (values, last_row), (live, end)] = &received[..] else { panic!("{received:?}") };
@@ -84,14 +84,14 @@ fn a_sample_includes_the_last_row_and_then_the_end() {
 
 #[test]
 fn the_end_of_a_run_whose_results_cannot_be_written_is_published_as_that_of_a_broken_run() {
-    let received = received(Rate::Sample, None);
+    let received = received(Rate::Sample, drop);
     let [.., (live, end)] = &received[..] else { panic!("{received:?}") };
     assert_eq!((live.as_str(), &end["state"]), ("live", &Value::from("broken")));
 }
 
 #[test]
 fn every_row_is_received_in_order_at_the_rate_of_every_tick() {
-    assert_eq!(ticks_of_values(&received(Rate::EveryTick, Some(RunState::Finished))), (0..100).collect::<Vec<_>>());
+    assert_eq!(ticks_of_values(&received(Rate::EveryTick, finish)), (0..100).collect::<Vec<_>>());
 }
 
 #[test]

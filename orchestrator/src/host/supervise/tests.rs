@@ -106,56 +106,33 @@ fn rows_and_the_call_of_a_process_that_died_are_there() {
     assert_eq!(SerializedFileReader::new(columns).unwrap().metadata().file_metadata().num_rows(), 3);
 }
 
-/// Stores what it is called with; its rows fail from a tick on.
-#[derive(Debug)]
-struct RecordingSink {
-    seen: Rc<RefCell<Vec<String>>>,
-    fails_at: u64,
-}
+/// Stores what it is called with.
+#[derive(Clone, Debug, Default)]
+struct RecordingSink(Rc<RefCell<Vec<String>>>);
 
 impl Sink for RecordingSink {
     fn row(&mut self, tick: u64, slots: &[u64]) -> Result<(), TraceError> {
-        if tick >= self.fails_at {
-            return Err(TraceError::io("write", Path::new("trace.csv"))(io::ErrorKind::StorageFull.into()));
-        }
-        self.seen.borrow_mut().push(format!("{tick}: {}", f64::from_bits(slots[0])));
+        self.0.borrow_mut().push(format!("{tick}: {}", f64::from_bits(slots[0])));
         Ok(())
     }
 
     fn finish(self: Box<Self>, end: RunState) -> Result<(), TraceError> {
-        self.seen.borrow_mut().push(format!("{end:?}"));
+        self.0.borrow_mut().push(format!("{end:?}"));
         Ok(())
     }
 }
 
 #[test]
-fn a_sink_takes_every_row_even_if_another_fails_and_a_run_that_is_given_up_is_not_finished() {
-    let run = Run::new();
-    run.rows(3);
-    let [failing, whole] = [1, u64::MAX].map(|fails_at| (Rc::default(), fails_at));
-    let mut recorder = Recorder::default();
-    for (seen, fails_at) in [&failing, &whole] {
-        recorder.add(Box::new(RecordingSink { seen: Rc::clone(seen), fails_at: *fails_at }));
-    }
-    let mut console = Console::new(Vec::new(), Style::Tenths);
-    let mut supervision = Supervision::new(&run.spec, &run.saving, &run.board, recorder, &mut console);
-    let error = supervision.drain().unwrap_err();
-    supervision.conclude(Cause::Signal(DIED_OF_SIGSEGV), Some(error)).unwrap_err();
-    assert_eq!(*failing.0.borrow(), ["0: 0"]);
-    assert_eq!(*whole.0.borrow(), ["0: 0", "1: 1", "2: 2"]);
-}
-
-#[test]
 fn what_shows_a_run_begins_with_its_board_and_takes_its_end() {
-    let run = Run::new();
-    let seen: Rc<RefCell<Vec<String>>> = Rc::default();
-    let sink = RecordingSink { seen: Rc::clone(&seen), fails_at: u64::MAX };
-    let begin: BeginLive = Box::new(|board| {
-        sink.seen.borrow_mut().push(format!("{} columns", board.layout().columns));
-        Box::new(sink)
-    });
-    run.supervise("/bin/true", Some(begin)).unwrap();
-    assert_eq!(*seen.borrow(), ["0 columns", "Broken"]);
+    let (run, sink) = (Run::new(), RecordingSink::default());
+    let begin = |shown: RecordingSink| -> BeginLive {
+        Box::new(|board| {
+            shown.0.borrow_mut().push(format!("{} claims", board.layout().claims));
+            Box::new(shown)
+        })
+    };
+    run.supervise("/bin/true", Some(begin(sink.clone()))).unwrap();
+    assert_eq!(*sink.0.borrow(), ["2 claims", "Broken"]);
 }
 
 #[test]
@@ -193,15 +170,19 @@ fn what_the_run_says_about_its_break_counts_more_than_how_its_process_ended() {
 }
 
 #[test]
-fn a_death_is_kept_when_the_last_rows_cannot_be_written() {
-    let run = Run::new();
+fn a_death_is_kept_when_the_last_rows_cannot_be_written_and_no_file_is_finished() {
+    let (run, sink, mut recorder) = (Run::new(), RecordingSink::default(), Recorder::default());
+    run.rows(2);
+    recorder.add(Box::new(sink.clone()));
     let mut console = Console::new(Vec::new(), Style::Tenths);
-    let supervision = Supervision::new(&run.spec, &run.saving, &run.board, Recorder::default(), &mut console);
+    let mut supervision = Supervision::new(&run.spec, &run.saving, &run.board, recorder, &mut console);
+    supervision.drain().unwrap();
     let full = TraceError::io("write", Path::new("trace.csv"))(io::ErrorKind::StorageFull.into());
     let error = supervision.conclude(Cause::Signal(DIED_OF_SIGSEGV), Some(full)).unwrap_err();
     let SuperviseError::Broken { failure, .. } = &error else { panic!("{error:?}") };
     assert_eq!(failure.cause, Cause::Signal(11));
     assert!(error.to_string().starts_with("cannot write trace.csv: "), "{error}");
+    assert_eq!(*sink.0.borrow(), ["0: 0", "1: 1"]);
 }
 
 #[test]
