@@ -14,7 +14,7 @@ pub use checkpoint::Checkpoint;
 pub use observer::Observer;
 
 use crate::flatten::claims::{Claims, Completeness};
-use crate::flatten::expression::Moment;
+use crate::flatten::expression::{Moment, Stack};
 use crate::flatten::values::Values;
 use crate::flatten::wiring::{Wave, Wiring};
 use crate::run::message::{Finish, Reason};
@@ -54,6 +54,8 @@ pub struct StepLoop<'a, W> {
     /// Whether each condition of `rises` held at the last sample, and whether it rises now.
     held: Vec<bool>,
     rises: Vec<bool>,
+    /// The stack of all programs.
+    stack: Stack,
     next_change: usize,
     row: Vec<u64>,
     /// The number of samples that the claims took.
@@ -78,6 +80,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             terminated: Vec::new(),
             held: vec![false; wiring.rises.len()],
             rises: vec![false; wiring.rises.len()],
+            stack: Stack::default(),
             next_change: 0,
             row: wiring.row.row(),
             samples: 0,
@@ -138,8 +141,9 @@ impl<'a, W: Observer> StepLoop<'a, W> {
 
     /// Claims take the sample of this tick.
     fn judge(&mut self, tick: u64, time_s: f64) {
-        for (slot, condition) in self.wiring.rises.iter_mut().enumerate() {
-            let holds = condition.holds(&Moment { outputs: &self.visible, time_s, rises: &self.rises });
+        for (slot, condition) in self.wiring.rises.iter().enumerate() {
+            let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+            let holds = condition.holds(&moment, &mut self.stack);
             self.rises[slot] = holds && !std::mem::replace(&mut self.held[slot], holds);
         }
         let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
@@ -171,9 +175,9 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     /// `->` brings the visible outputs to the groups that step now.
     fn drive(&mut self, tick: u64, time_s: f64) {
         let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
-        for (group, feed) in self.wiring.groups.iter().zip(&mut self.wiring.delayed) {
+        for (group, feed) in self.wiring.groups.iter().zip(&self.wiring.delayed) {
             if group.is_due(tick) {
-                feed.bring(&moment, &mut self.inputs);
+                feed.bring(&moment, &mut self.stack, &mut self.inputs);
             }
         }
     }
@@ -200,9 +204,9 @@ impl<'a, W: Observer> StepLoop<'a, W> {
         let latest = Moment { outputs: &self.latest, time_s, rises: &self.rises };
         let visible = Moment { outputs: &self.visible, time_s, rises: &self.rises };
         for group in groups.filter(|&group| self.wiring.groups[group].is_due(tick)) {
-            self.wiring.direct[group].bring(&latest, &mut self.inputs);
-            for target in &mut self.wiring.overrides[group] {
-                target.bring(&visible, &mut self.inputs);
+            self.wiring.direct[group].bring(&latest, &mut self.stack, &mut self.inputs);
+            for target in &self.wiring.overrides[group] {
+                target.bring(&visible, &mut self.stack, &mut self.inputs);
             }
         }
     }

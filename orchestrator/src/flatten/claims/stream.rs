@@ -3,7 +3,7 @@
 use super::judged::{Decision, Join, Joined, Judged};
 use super::memory::{Piece, Visit};
 use super::window::Window;
-use crate::flatten::expression::{Moment, Program, SlotOf};
+use crate::flatten::expression::{Moment, Program, SlotOf, Stack};
 use dsl::scenario::Formula;
 
 /// How many ticks a formula looks ahead: 0 for a comparison; a bounded operator adds its upper bound, an unbounded one
@@ -114,6 +114,7 @@ pub struct Atom {
     program: Program,
     /// For a comparison, whether a margin of zero fails; `None` for a condition.
     strict: Option<bool>,
+    stack: Stack,
 }
 
 impl Atom {
@@ -121,10 +122,12 @@ impl Atom {
     pub fn new(formula: &Formula, slot_of: &mut SlotOf<'_>) -> Self {
         match formula {
             Formula::Margin(margin) => {
-                Self { program: Program::compile_real(&margin.value, slot_of), strict: Some(margin.strict) }
+                let program = Program::compile_real(&margin.value, slot_of);
+                Self { program, strict: Some(margin.strict), stack: Stack::default() }
             }
             Formula::Condition(condition) => {
-                Self { program: Program::compile_condition(condition, slot_of), strict: None }
+                let program = Program::compile_condition(condition, slot_of);
+                Self { program, strict: None, stack: Stack::default() }
             }
             _ => unreachable!("{formula:?} is no atom"),
         }
@@ -133,8 +136,8 @@ impl Atom {
     /// Its value at the tick of the sample.
     pub fn judge(&mut self, tick: u64, moment: &Moment<'_>) -> Judged {
         match self.strict {
-            Some(strict) => Judged::margin(self.program.real(moment), strict, tick),
-            None => Judged::condition(self.program.holds(moment), tick),
+            Some(strict) => Judged::margin(self.program.real(moment, &mut self.stack), strict, tick),
+            None => Judged::condition(self.program.holds(moment, &mut self.stack), tick),
         }
     }
 }

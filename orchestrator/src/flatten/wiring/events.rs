@@ -3,7 +3,7 @@
 use super::feed::Computed;
 use super::groups::Group;
 use super::slot_table::SlotTable;
-use crate::flatten::expression::Moment;
+use crate::flatten::expression::{Moment, Stack};
 use crate::flatten::values::{Slot, Values};
 use dsl::scenario::{Port, Scenario, Trigger, Value};
 use fmi2::description::BaseType;
@@ -58,9 +58,9 @@ impl Override {
     }
 
     /// Stores the value that applies at this moment; leaves the input alone where a connection drives it.
-    pub fn bring(&mut self, moment: &Moment<'_>, inputs: &mut Values) {
+    pub fn bring(&self, moment: &Moment<'_>, stack: &mut Stack, inputs: &mut Values) {
         match (self.window.or(self.lasting), &self.rest) {
-            (Some(set), _) => self.sets[set].bring(moment, inputs),
+            (Some(set), _) => self.sets[set].bring(moment, stack, inputs),
             (None, Some(rest)) => inputs.store(self.to, rest),
             (None, None) => {}
         }
