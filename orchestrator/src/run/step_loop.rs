@@ -13,7 +13,7 @@ mod tests;
 pub use checkpoint::Checkpoint;
 pub use observer::Observer;
 
-use crate::flatten::claims::{Claims, Completeness};
+use crate::flatten::claims::{Claims, ClaimsMemory, Completeness};
 use crate::flatten::expression::{Moment, Stack};
 use crate::flatten::values::Values;
 use crate::flatten::wiring::{Wave, Wiring};
@@ -37,6 +37,7 @@ pub struct StepLoop<'a, W> {
     wiring: Wiring,
     workers: Vec<Box<dyn Worker + 'a>>,
     claims: Claims,
+    claims_memory: ClaimsMemory,
     options: LoopOptions,
     observer: W,
     /// The outputs that `->`, claims and rows read: those of steps that have ended by this tick.
@@ -84,6 +85,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             next_change: 0,
             row: wiring.row.row(),
             samples: 0,
+            claims_memory: claims.memory(),
             wiring,
             workers,
             claims,
@@ -105,7 +107,8 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             _ => Completeness::CutOff,
         };
         let (observer, last_sample) = (&mut self.observer, self.samples.checked_sub(1));
-        self.claims.end(last_sample, completeness, |claim, standing| observer.claim(claim, standing));
+        let memory = &mut self.claims_memory;
+        self.claims.end(memory, last_sample, completeness, |claim, standing| observer.claim(claim, standing));
         ended
     }
 
@@ -147,7 +150,8 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             self.rises[slot] = holds && !std::mem::replace(&mut self.held[slot], holds);
         }
         let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
-        self.claims.take(tick, &moment, |claim, standing| self.observer.claim(claim, standing));
+        let (memory, stack) = (&mut self.claims_memory, &mut self.stack);
+        self.claims.take(memory, tick, &moment, stack, |claim, standing| self.observer.claim(claim, standing));
         self.samples = tick + 1;
     }
 
@@ -159,7 +163,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
         if let Some(first) = due.map(|(_, unit)| unit.instance).min() {
             return Some(Reason::Terminated(first));
         }
-        let lost = self.claims.lost().filter(|_| self.options.fail_fast).map(Reason::ClaimLost);
+        let lost = self.claims_memory.lost().filter(|_| self.options.fail_fast).map(Reason::ClaimLost);
         lost.or_else(|| self.observer.stop_requested().then_some(Reason::Interrupted))
     }
 

@@ -4,7 +4,7 @@
 //! a run can continue in other workers than it was saved in.
 
 use super::{Observer, StepLoop, UnderWay};
-use crate::flatten::claims::{Claims, Memory};
+use crate::flatten::claims::{Claims, ClaimsMemory};
 use crate::flatten::values::Values;
 use crate::flatten::wiring::{InstancePorts, Wiring};
 use crate::run::worker::{Reply, Terminated};
@@ -26,7 +26,7 @@ pub struct Checkpoint {
     /// Whether each condition of `rises` held at the last sample, and whether it rose then.
     held: Vec<bool>,
     rises: Vec<bool>,
-    claims: Memory,
+    claims: ClaimsMemory,
 }
 
 /// One instance.
@@ -84,7 +84,7 @@ impl Checkpoint {
             self.instances[instance].fits(&wiring.ports[instance]) && early.as_ref().is_none_or(itself)
         };
         let is_under_way = |instance: &usize| self.instances[*instance].early.is_some();
-        let mut claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
+        let claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
         (0..wiring.ports.len()).all(instance_fits)
             && wiring.groups.iter().all(|group| {
                 group
@@ -95,7 +95,7 @@ impl Checkpoint {
             })
             && self.terminated.iter().all(|(_, unit)| exists(unit))
             && [self.held.len(), self.rises.len()] == [wiring.rises.len(); 2]
-            && claims.remember(&self.claims, self.tick + 1)
+            && claims.fits(&self.claims, self.tick + 1)
     }
 }
 
@@ -134,7 +134,7 @@ impl<W: Observer> StepLoop<'_, W> {
             terminated: self.terminated.clone(),
             held: self.held.clone(),
             rises: self.rises.clone(),
-            claims: self.claims.memory(),
+            claims: self.claims_memory.clone(),
         };
         self.observer.checkpoint(&checkpoint).map_err(|cause| Failure::between_calls(self.wiring.seconds(tick), cause))
     }
@@ -201,8 +201,10 @@ impl<W: Observer> StepLoop<'_, W> {
         self.rises.clone_from(&checkpoint.rises);
         self.take_events(*tick);
         self.samples = tick + 1;
-        assert!(self.claims.remember(&checkpoint.claims, self.samples), "a checkpoint fits its claims");
-        self.claims.standings().for_each(|(claim, standing)| self.observer.claim(claim, standing));
+        assert!(self.claims.fits(&checkpoint.claims, self.samples), "a checkpoint fits its claims");
+        self.claims_memory.clone_from(&checkpoint.claims);
+        self.claims.reserve(&mut self.claims_memory);
+        self.claims.standings(&self.claims_memory).for_each(|(claim, standing)| self.observer.claim(claim, standing));
         Ok(())
     }
 }
