@@ -1,7 +1,7 @@
 //! Expressions of the script as flat programs for a small stack machine.
 //!
-//! Conditions run on the same stack, where true is 1 and false is 0. A program owns its stack, so evaluating it
-//! allocates nothing. Next on the walk: `wiring.rs`, which assigns the slots that programs read.
+//! Conditions run on the same stack, where true is 1 and false is 0. The caller owns the stack and uses it for all
+//! programs, so evaluating one allocates nothing. Next on the walk: `wiring.rs`, which assigns the slots that programs read.
 
 mod compile;
 pub use compile::SlotOf;
@@ -26,7 +26,17 @@ pub struct Moment<'a> {
 #[derive(Clone, Debug)]
 pub struct Program {
     operations: Box<[Operation]>,
-    stack: Box<[f64]>,
+    depth: usize,
+}
+
+/// The values that programs work on. It grows for a program that is deeper than usual and keeps that size.
+#[derive(Clone, Debug)]
+pub struct Stack(Vec<f64>);
+
+impl Default for Stack {
+    fn default() -> Self {
+        Self(vec![0.0; 64])
+    }
 }
 
 /// One operation; operands are the topmost values of the stack.
@@ -80,8 +90,18 @@ enum Text {
 }
 
 impl Program {
+    /// The number of values on the stack that it needs.
+    #[must_use]
+    pub fn depth(&self) -> usize {
+        self.depth
+    }
+
     /// The value at a moment.
-    pub fn real(&mut self, moment: &Moment<'_>) -> f64 {
+    pub fn real(&self, moment: &Moment<'_>, stack: &mut Stack) -> f64 {
+        if stack.0.len() < self.depth {
+            stack.0.resize(self.depth, 0.0);
+        }
+        let stack = stack.0.as_mut_slice();
         let outputs = moment.outputs;
         let mut depth = 0;
         for operation in &self.operations {
@@ -96,35 +116,35 @@ impl Program {
                 Operation::SameText(ref texts) => truth(texts.0.read(outputs) == texts.1.read(outputs)),
                 Operation::Affine { factor, offset } => {
                     depth -= 1;
-                    factor * self.stack[depth] + offset
+                    factor * stack[depth] + offset
                 }
                 Operation::InverseAffine { factor, offset } => {
                     depth -= 1;
-                    (self.stack[depth] - offset) / factor
+                    (stack[depth] - offset) / factor
                 }
                 Operation::Call(function, arguments) => {
                     let end = depth;
                     depth -= arguments as usize;
-                    function.apply(&self.stack[depth..end])
+                    function.apply(&stack[depth..end])
                 }
                 Operation::Unary(function) => {
                     depth -= 1;
-                    function.apply(self.stack[depth])
+                    function.apply(stack[depth])
                 }
                 Operation::Binary(function) => {
                     depth -= 2;
-                    function.apply(self.stack[depth], self.stack[depth + 1])
+                    function.apply(stack[depth], stack[depth + 1])
                 }
             };
-            self.stack[depth] = pushed;
+            stack[depth] = pushed;
             depth += 1;
         }
-        self.stack[0]
+        stack[0]
     }
 
     /// Whether the condition holds at a moment.
-    pub fn holds(&mut self, moment: &Moment<'_>) -> bool {
-        self.real(moment) != 0.0
+    pub fn holds(&self, moment: &Moment<'_>, stack: &mut Stack) -> bool {
+        self.real(moment, stack) != 0.0
     }
 }
 

@@ -13,8 +13,8 @@ mod tests;
 pub use checkpoint::Checkpoint;
 pub use observer::Observer;
 
-use crate::flatten::claims::{Claims, Completeness};
-use crate::flatten::expression::Moment;
+use crate::flatten::claims::{Claims, ClaimsMemory, Completeness};
+use crate::flatten::expression::{Moment, Stack};
 use crate::flatten::values::Values;
 use crate::flatten::wiring::{OverrideState, Wave, Wiring};
 use crate::run::message::{Finish, Reason};
@@ -29,6 +29,7 @@ pub struct StepLoop<'a, W> {
     wiring: Wiring,
     workers: Vec<Box<dyn Worker + 'a>>,
     claims: Claims,
+    claims_memory: ClaimsMemory,
     options: RunOptions,
     observer: W,
     /// The outputs that `->`, claims and rows read: those of steps that have ended by this tick.
@@ -46,6 +47,8 @@ pub struct StepLoop<'a, W> {
     /// Whether each condition of `rises` held at the last sample, and whether it rises now.
     held: Vec<bool>,
     rises: Vec<bool>,
+    /// The stack of all programs.
+    stack: Stack,
     next_change: usize,
     /// Which `set` of each override applies.
     overrides: Vec<OverrideState>,
@@ -71,9 +74,11 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             terminated: Vec::new(),
             held: vec![false; wiring.rises.len()],
             rises: vec![false; wiring.rises.len()],
+            stack: Stack::default(),
             next_change: 0,
             overrides: wiring.overrides.states(),
             samples: 0,
+            claims_memory: claims.memory(),
             wiring,
             workers,
             claims,
@@ -95,7 +100,8 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             _ => Completeness::CutOff,
         };
         let (observer, last_sample) = (&mut self.observer, self.samples.checked_sub(1));
-        self.claims.end(last_sample, completeness, |claim, standing| observer.claim(claim, standing));
+        let memory = &mut self.claims_memory;
+        self.claims.end(memory, last_sample, completeness, |claim, standing| observer.claim(claim, standing));
         ended
     }
 
@@ -131,12 +137,14 @@ impl<'a, W: Observer> StepLoop<'a, W> {
 
     /// Claims take the sample of this tick.
     fn judge(&mut self, tick: u64, time_s: f64) {
-        for (slot, condition) in self.wiring.rises.iter_mut().enumerate() {
-            let holds = condition.holds(&Moment { outputs: &self.visible, time_s, rises: &self.rises });
+        for (slot, condition) in self.wiring.rises.iter().enumerate() {
+            let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+            let holds = condition.holds(&moment, &mut self.stack);
             self.rises[slot] = holds && !std::mem::replace(&mut self.held[slot], holds);
         }
         let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
-        self.claims.take(tick, &moment, |claim, standing| self.observer.claim(claim, standing));
+        let (memory, stack) = (&mut self.claims_memory, &mut self.stack);
+        self.claims.take(memory, tick, &moment, stack, |claim, standing| self.observer.claim(claim, standing));
         self.samples = tick + 1;
     }
 
@@ -148,7 +156,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
         if let Some(first) = due.map(|(_, unit)| unit.instance).min() {
             return Some(Reason::Terminated(first));
         }
-        let lost = self.claims.lost().filter(|_| self.options.fail_fast).map(Reason::ClaimLost);
+        let lost = self.claims_memory.lost().filter(|_| self.options.fail_fast).map(Reason::ClaimLost);
         lost.or_else(|| self.observer.stop_requested().then_some(Reason::Interrupted))
     }
 
@@ -166,9 +174,9 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     /// `->` brings the visible outputs to the groups that step now.
     fn drive(&mut self, tick: u64, time_s: f64) {
         let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
-        for (group, feed) in self.wiring.groups.iter().zip(&mut self.wiring.delayed) {
+        for (group, feed) in self.wiring.groups.iter().zip(&self.wiring.delayed) {
             if group.is_due(tick) {
-                feed.bring(&moment, &mut self.inputs);
+                feed.bring(&moment, &mut self.stack, &mut self.inputs);
             }
         }
     }
@@ -195,9 +203,10 @@ impl<'a, W: Observer> StepLoop<'a, W> {
         let latest = Moment { outputs: &self.latest, time_s, rises: &self.rises };
         let visible = Moment { outputs: &self.visible, time_s, rises: &self.rises };
         for group in groups.filter(|&group| self.wiring.groups[group].is_due(tick)) {
-            self.wiring.direct[group].bring(&latest, &mut self.inputs);
+            self.wiring.direct[group].bring(&latest, &mut self.stack, &mut self.inputs);
             for &target in &self.wiring.overrides.of_group[group] {
-                self.wiring.overrides.all[target].bring(self.overrides[target], &visible, &mut self.inputs);
+                let (target, state) = (&self.wiring.overrides.all[target], self.overrides[target]);
+                target.bring(state, &visible, &mut self.stack, &mut self.inputs);
             }
         }
     }

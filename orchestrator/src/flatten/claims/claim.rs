@@ -3,162 +3,141 @@
 use super::Completeness;
 use super::history::History;
 use super::judged::{Decision, Join, Joined};
-use super::memory::{Piece, Visit};
-use super::stream::{Atom, Stream, is_bounded};
-use crate::flatten::expression::{Moment, SlotOf};
+use super::memory::{ClaimsMemory, Layout};
+use super::stream::{Atom, Sample, Stream, is_bounded};
+use crate::flatten::expression::SlotOf;
 use dsl::scenario::{Formula, TickWindow};
 use results::verdict::{Standing, Verdict};
 
 /// A formula that is evaluated at tick 0 only.
 #[derive(Debug)]
 pub enum AtStart {
-    /// A comparison or a condition.
-    Atom(Atom, Decision),
+    /// A comparison or a condition, with the index of its decision.
+    Atom(Atom, usize),
     /// `and`, `or`
     Junction(Join, Vec<AtStart>),
     /// `always`, `eventually` with a bounded formula as body.
     Temporal(Temporal),
-    /// The same with a body that reaches to the end of the run, and its value once the run has ended.
-    History(History, Decision),
+    /// The same with a body that reaches to the end of the run, and the index of the history that has its values when the
+    /// run has ended.
+    History(History, usize),
 }
 
 /// A temporal operator that is evaluated at tick 0 only, so it needs no sliding window.
 #[derive(Debug)]
 pub struct Temporal {
+    join: Join,
     window: TickWindow,
     body: Stream,
-    joined: Joined,
-    complete: bool,
+    /// The index of its joined value.
+    index: usize,
 }
 
 impl AtStart {
-    /// Compiles the formula and allocates memory for the samples of ticks 0 to `stop_tick`.
-    pub fn new(formula: &Formula, stop_tick: u64, slot_of: &mut SlotOf<'_>) -> Self {
-        let mut parts = |parts: &[Formula]| parts.iter().map(|part| Self::new(part, stop_tick, slot_of)).collect();
+    /// Compiles the formula.
+    pub(super) fn new(formula: &Formula, layout: &mut Layout, slot_of: &mut SlotOf<'_>) -> Self {
+        let join = Join::of(formula);
         match formula {
-            Formula::And(formulas) => Self::Junction(Join::All, parts(formulas)),
-            Formula::Or(formulas) => Self::Junction(Join::Any, parts(formulas)),
-            Formula::Margin(_) | Formula::Condition(_) => Self::Atom(Atom::new(formula, slot_of), None),
-            Formula::Always(window, body) | Formula::Eventually(window, body) if is_bounded(body) => {
-                let join = if matches!(formula, Formula::Always(..)) { Join::All } else { Join::Any };
-                let body = Stream::new(body, slot_of);
-                Self::Temporal(Temporal { window: *window, body, joined: Joined::new(join), complete: false })
+            Formula::And(parts) | Formula::Or(parts) => {
+                Self::Junction(join, parts.iter().map(|part| Self::new(part, layout, slot_of)).collect())
             }
+            Formula::Margin(_) | Formula::Condition(_) => {
+                Self::Atom(Atom::new(formula, slot_of), layout.decisions(1).start)
+            }
+            Formula::Always(window, body) | Formula::Eventually(window, body) if is_bounded(body) => {
+                let body = Stream::new(body, layout, slot_of);
+                Self::Temporal(Temporal { join, window: *window, body, index: layout.temporal() })
+            }
+            // No samples make a value of it before the run has ended.
             Formula::Always(..) | Formula::Eventually(..) => {
-                Self::History(History::new(formula, stop_tick, slot_of), None)
+                Self::History(History::new(formula, layout, slot_of), layout.history(u64::MAX))
             }
         }
     }
 
     /// Takes the sample of a tick; returns whether the standing may have changed.
-    pub fn take(&mut self, tick: u64, moment: &Moment<'_>) -> bool {
+    pub(super) fn take(&self, memory: &mut ClaimsMemory, tick: u64, sample: &mut Sample<'_>) -> bool {
         match self {
-            Self::Atom(atom, decision) if tick == 0 => {
-                *decision = Some(atom.judge(tick, moment));
+            Self::Atom(atom, index) if tick == 0 => {
+                memory.decisions[*index] = Some(atom.judge(tick, sample));
                 true
             }
             Self::Atom(..) => false,
-            Self::Junction(_, parts) => parts.iter_mut().fold(false, |changed, part| part.take(tick, moment) | changed),
-            Self::Temporal(temporal) => !temporal.complete && temporal.take(tick, Some(moment)),
+            Self::Junction(_, parts) => {
+                parts.iter().fold(false, |changed, part| part.take(memory, tick, sample) | changed)
+            }
+            Self::Temporal(temporal) => temporal.take(memory, tick, Some(sample)),
             Self::History(history, _) => {
-                history.take(tick, Some(moment));
+                history.take(memory, tick, sample);
                 false
             }
         }
     }
 
-    /// Visits its memory after so many samples of a run that goes on.
-    pub(super) fn visit(&mut self, samples: u64, each: &mut Visit<'_>) {
-        match self {
-            Self::Atom(_, decision) => each(Piece::Decisions(std::slice::from_mut(decision))),
-            Self::Junction(_, parts) => parts.iter_mut().for_each(|part| part.visit(samples, each)),
-            Self::Temporal(temporal) => {
-                temporal.body.visit(each);
-                temporal.joined.visit(each);
-                each(Piece::Flag(&mut temporal.complete));
-            }
-            // Its decision is not part of the memory: it is computed when the run has ended.
-            Self::History(history, _) => history.visit(samples, each),
-        }
-    }
-
     /// Completes the value; the last sample was that of `last_tick`.
-    pub fn end(&mut self, last_tick: u64, completeness: Completeness) {
+    pub(super) fn end(&self, memory: &mut ClaimsMemory, last_tick: u64, completeness: Completeness) {
         match self {
             Self::Atom(..) => {}
-            Self::Junction(_, parts) => parts.iter_mut().for_each(|part| part.end(last_tick, completeness)),
-            Self::Temporal(temporal) => temporal.end(last_tick, completeness),
-            Self::History(history, decision) => {
-                *decision =
-                    history.values(last_tick, completeness == Completeness::Complete).first().copied().flatten();
+            Self::Junction(_, parts) => parts.iter().for_each(|part| part.end(memory, last_tick, completeness)),
+            Self::Temporal(temporal) => temporal.end(memory, last_tick, completeness),
+            Self::History(history, index) => {
+                let values = history.values(memory, last_tick, completeness == Completeness::Complete);
+                memory.histories[*index] = values;
             }
         }
     }
 
     /// Its standing; `ended` means that no more samples come.
-    pub fn standing(&self, ended: bool) -> Standing {
-        let decision = self.decision();
+    pub(super) fn standing(&self, memory: &ClaimsMemory, ended: bool) -> Standing {
+        let decision = self.value(memory, Joined::decision);
         let verdict = match decision {
             Some(value) if value.holds() => Verdict::Holds,
             Some(_) => Verdict::Fails,
             None if ended => Verdict::Unjudged,
             None => Verdict::Undecided,
         };
-        match decision.or_else(|| self.so_far()) {
+        // The margin is that among the samples so far, whether the claim is decided or not.
+        match decision.or_else(|| self.value(memory, |joined, _| joined.counting())) {
             Some(value) => Standing { verdict, margin: value.reported_margin(), worst_tick: value.tick },
             None => Standing { verdict, margin: f64::NAN, worst_tick: 0 },
         }
     }
 
-    /// Its value, if the samples so far determine it.
-    pub fn decision(&self) -> Decision {
+    fn value(&self, memory: &ClaimsMemory, of: fn(&Joined, Join) -> Decision) -> Decision {
         match self {
-            Self::Atom(_, decision) | Self::History(_, decision) => *decision,
-            Self::Junction(join, parts) => joined(*join, parts.iter().map(Self::decision)).decision(true),
-            Self::Temporal(temporal) => temporal.joined.decision(temporal.complete),
-        }
-    }
-
-    /// The value that determines the margin among the samples so far, whether the claim is decided or not.
-    fn so_far(&self) -> Decision {
-        match self {
-            Self::Atom(_, decision) | Self::History(_, decision) => *decision,
-            Self::Junction(join, parts) => joined(*join, parts.iter().map(Self::so_far)).counting(),
-            Self::Temporal(temporal) => temporal.joined.counting(),
+            Self::Atom(_, index) => memory.decisions[*index],
+            Self::Junction(join, parts) => {
+                let mut joined = Joined::new(true);
+                parts.iter().for_each(|part| _ = joined.take(*join, part.value(memory, of)));
+                of(&joined, *join)
+            }
+            Self::Temporal(temporal) => of(&memory.temporals[temporal.index], temporal.join),
+            Self::History(_, index) => memory.histories[*index].first().copied().flatten(),
         }
     }
 }
 
 impl Temporal {
-    fn take(&mut self, tick: u64, sample: Option<&Moment<'_>>) -> bool {
-        let decision = self.body.take(tick, sample);
-        let Some(at) = tick.checked_sub(self.body.horizon) else { return false };
-        if at < self.window.from {
+    fn take(&self, memory: &mut ClaimsMemory, tick: u64, sample: Option<&mut Sample<'_>>) -> bool {
+        if memory.temporals[self.index].complete {
             return false;
         }
-        self.complete = self.window.to.is_some_and(|to| at >= to);
-        self.joined.take(decision) | self.complete
+        let decision = self.body.take(memory, tick, sample);
+        let Some(at) = tick.checked_sub(self.body.horizon).filter(|&at| at >= self.window.from) else { return false };
+        let joined = &mut memory.temporals[self.index];
+        joined.complete = self.window.to.is_some_and(|to| at >= to);
+        joined.take(self.join, decision) | joined.complete
     }
 
-    fn end(&mut self, last_tick: u64, completeness: Completeness) {
+    fn end(&self, memory: &mut ClaimsMemory, last_tick: u64, completeness: Completeness) {
         if self.window.to.is_none() {
             // No more ticks follow; an operator whose range has no tick has no value and stays open all the same.
-            self.complete = completeness == Completeness::Complete;
+            memory.temporals[self.index].complete = completeness == Completeness::Complete;
             return;
         }
         // The values of the last ticks depend on samples that are missing; those that are known all the same may decide.
         for tick in last_tick + 1..=last_tick + self.body.horizon {
-            if !self.complete {
-                self.take(tick, None);
-            }
+            self.take(memory, tick, None);
         }
     }
-}
-
-fn joined(join: Join, decisions: impl Iterator<Item = Decision>) -> Joined {
-    let mut joined = Joined::new(join);
-    for decision in decisions {
-        joined.take(decision);
-    }
-    joined
 }

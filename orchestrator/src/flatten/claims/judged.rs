@@ -1,6 +1,6 @@
 //! A judged value, and how values are joined by `and`, `or` and the temporal operators.
 
-use super::memory::{Piece, Visit};
+use dsl::scenario::Formula;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
@@ -60,6 +60,12 @@ pub enum Join {
 }
 
 impl Join {
+    /// How `and`, `or` or a temporal operator joins.
+    #[must_use]
+    pub fn of(formula: &Formula) -> Self {
+        if matches!(formula, Formula::And(_) | Formula::Always(..)) { Self::All } else { Self::Any }
+    }
+
     /// Whether `a` takes precedence over `b` as the joined value.
     #[must_use]
     pub fn prefers(self, a: Judged, b: Judged) -> bool {
@@ -75,25 +81,26 @@ impl Join {
 }
 
 /// Values joined one after the other.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Joined {
-    join: Join,
     counts: Decision,
     /// Whether one of the values is not decided.
     open: bool,
+    /// Whether no more values will come.
+    pub complete: bool,
 }
 
 impl Joined {
     /// No value joined yet.
     #[must_use]
-    pub fn new(join: Join) -> Self {
-        Self { join, counts: None, open: false }
+    pub fn new(complete: bool) -> Self {
+        Self { counts: None, open: false, complete }
     }
 
     /// Joins one more value; among equal values the first is taken. Returns whether anything changed.
-    pub fn take(&mut self, decision: Decision) -> bool {
+    pub fn take(&mut self, join: Join, decision: Decision) -> bool {
         let Some(value) = decision else { return !std::mem::replace(&mut self.open, true) };
-        let counts = self.counts.is_none_or(|counts| self.join.prefers(value, counts));
+        let counts = self.counts.is_none_or(|counts| join.prefers(value, counts));
         if counts {
             self.counts = decision;
         }
@@ -101,17 +108,11 @@ impl Joined {
     }
 
     /// Joins a value of an earlier tick than all others: among equal values it is taken.
-    pub fn take_earlier(&mut self, decision: Decision) {
+    pub fn take_earlier(&mut self, join: Join, decision: Decision) {
         let Some(value) = decision else { return self.open = true };
-        if self.counts.is_none_or(|counts| !self.join.prefers(counts, value)) {
+        if self.counts.is_none_or(|counts| !join.prefers(counts, value)) {
             self.counts = decision;
         }
-    }
-
-    /// Visits its memory.
-    pub(super) fn visit(&mut self, each: &mut Visit<'_>) {
-        each(Piece::Decisions(std::slice::from_mut(&mut self.counts)));
-        each(Piece::Flag(&mut self.open));
     }
 
     /// The joined value of those that are decided.
@@ -120,10 +121,10 @@ impl Joined {
         self.counts
     }
 
-    /// The joined value, if it is decided; `complete` means that no more values will come.
+    /// The joined value, if it is decided.
     #[must_use]
-    pub fn decision(&self, complete: bool) -> Decision {
-        self.counts.filter(|&value| complete && !self.open || self.join.is_decided_by(value))
+    pub fn decision(&self, join: Join) -> Decision {
+        self.counts.filter(|&value| self.complete && !self.open || join.is_decided_by(value))
     }
 }
 

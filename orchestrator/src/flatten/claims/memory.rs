@@ -1,113 +1,110 @@
-//! The memory of claims between two samples: copied out for a checkpoint, put back when a run continues.
-//!
-//! One traversal of the formulas serves both directions, so that the two cannot disagree. The memory is a flat list,
-//! however deep the formulas are, so that the bytes of a damaged checkpoint cannot cause deep recursion.
+//! The memory of claims between two samples: flat arrays, however deep the formulas are, so that a checkpoint contains it
+//! as it is and the bytes of a damaged one cannot cause deep recursion.
 
 use super::Claims;
-use super::judged::{Decision, Judged};
+use super::judged::{Decision, Joined};
+use super::window::Window;
 use serde::{Deserialize, Serialize};
-use std::collections::VecDeque;
+use std::ops::Range;
 
-/// One piece of a claim's memory, in place.
-pub(super) enum Piece<'a> {
-    /// A flag.
-    Flag(&'a mut bool),
-    /// A fixed number of values.
-    Decisions(&'a mut [Decision]),
-    /// A growing list of values, and the length that it must have now.
-    Grown(&'a mut Vec<Decision>, u64),
-    /// The values of a window that can still become its result, and their largest possible number.
-    Candidates(&'a mut VecDeque<(u64, Judged)>, u64),
-    /// A tick.
-    Tick(&'a mut Option<u64>),
+/// The most values that memory is allocated for in advance. A longer run grows its memory during the run: few runs with
+/// such a stop time are meant to reach it.
+const MAX_INITIAL_CAPACITY: usize = 10_000_000;
+
+/// All that changes in the claims of a script from sample to sample.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct ClaimsMemory {
+    /// Values of atoms at tick 0, and values that wait for others of their tick.
+    pub(super) decisions: Vec<Decision>,
+    /// Values of temporal operators that are evaluated at tick 0 only.
+    pub(super) temporals: Vec<Joined>,
+    pub(super) windows: Vec<Window>,
+    /// Values at all ticks so far.
+    pub(super) histories: Vec<Vec<Decision>>,
+    pub(super) lost: Option<usize>,
 }
 
-/// Called for each piece, in the order of the formulas.
-pub(super) type Visit<'a> = dyn FnMut(Piece<'_>) + 'a;
-
-/// A copy of a piece.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-enum Saved {
-    Flag(bool),
-    Decisions(Vec<Decision>),
-    Candidates(Vec<(u64, Judged)>),
-    Tick(Option<u64>),
+/// The shape of the memory: it gives out the indices while claims are compiled.
+#[derive(Debug, Default)]
+pub(super) struct Layout {
+    decisions: usize,
+    temporals: usize,
+    /// The width of each window.
+    windows: Vec<u64>,
+    /// By how many ticks the values of each history are late.
+    histories: Vec<u64>,
 }
 
-/// The memory of all claims of a script after a sample.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Memory {
-    pieces: Vec<Saved>,
-    lost: Option<usize>,
+impl ClaimsMemory {
+    /// The claim that was lost first.
+    #[must_use]
+    pub fn lost(&self) -> Option<usize> {
+        self.lost
+    }
 }
 
-impl Saved {
-    fn of(piece: Piece<'_>) -> Self {
-        match piece {
-            Piece::Flag(flag) => Self::Flag(*flag),
-            Piece::Decisions(decisions) => Self::Decisions(decisions.to_vec()),
-            Piece::Grown(decisions, _) => Self::Decisions(decisions.clone()),
-            Piece::Candidates(candidates, _) => Self::Candidates(candidates.iter().copied().collect()),
-            Piece::Tick(tick) => Self::Tick(*tick),
-        }
+impl Layout {
+    pub fn decisions(&mut self, count: u64) -> Range<usize> {
+        let first = self.decisions;
+        self.decisions = first.saturating_add(usize::try_from(count).unwrap_or(usize::MAX));
+        first..self.decisions
     }
 
-    /// Copies it back into a piece without allocating; false if it cannot be the state of this piece after so many
-    /// samples.
-    fn put_back(&self, piece: Piece<'_>, samples: u64) -> bool {
-        let in_time = |decisions: &[Decision]| decisions.iter().flatten().all(|value| value.tick < samples);
-        match (self, piece) {
-            (Self::Flag(saved), Piece::Flag(flag)) => *flag = *saved,
-            (Self::Decisions(saved), Piece::Decisions(decisions))
-                if saved.len() == decisions.len() && in_time(saved) =>
-            {
-                decisions.copy_from_slice(saved);
-            }
-            (Self::Decisions(saved), Piece::Grown(decisions, count))
-                if saved.len() as u64 == count && in_time(saved) =>
-            {
-                decisions.clear();
-                decisions.extend_from_slice(saved);
-            }
-            (Self::Candidates(saved), Piece::Candidates(candidates, most))
-                if saved.len() as u64 <= most
-                    && saved.iter().all(|(at, value)| *at < samples && value.tick < samples) =>
-            {
-                candidates.clear();
-                candidates.extend(saved);
-            }
-            (Self::Tick(saved), Piece::Tick(tick)) if saved.is_none_or(|saved| saved < samples) => *tick = *saved,
-            _ => return false,
-        }
-        true
+    pub fn temporal(&mut self) -> usize {
+        self.temporals += 1;
+        self.temporals - 1
+    }
+
+    pub fn window(&mut self, width: u64) -> usize {
+        self.windows.push(width);
+        self.windows.len() - 1
+    }
+
+    pub fn history(&mut self, horizon: u64) -> usize {
+        self.histories.push(horizon);
+        self.histories.len() - 1
     }
 }
 
 impl Claims {
-    /// Copies the memory of the claims. It changes nothing; `&mut` is due to the traversal shared with
-    /// [`Claims::remember`].
-    pub fn memory(&mut self) -> Memory {
-        let mut pieces = Vec::new();
-        self.visit(0, &mut |piece| pieces.push(Saved::of(piece)));
-        Memory { pieces, lost: self.lost }
+    /// The memory before the first sample.
+    #[must_use]
+    pub fn memory(&self) -> ClaimsMemory {
+        let mut memory = ClaimsMemory {
+            decisions: vec![None; self.layout.decisions],
+            temporals: vec![Joined::new(false); self.layout.temporals],
+            windows: vec![Window::default(); self.layout.windows.len()],
+            histories: vec![Vec::new(); self.layout.histories.len()],
+            lost: None,
+        };
+        self.reserve(&mut memory);
+        memory
     }
 
-    /// Restores the memory that these claims had after so many samples; returns false if it cannot be theirs, after which
-    /// the claims must not be used.
-    pub fn remember(&mut self, memory: &Memory, samples: u64) -> bool {
-        let mut pieces = memory.pieces.iter();
-        let mut fits = memory.lost.is_none_or(|claim| claim < self.monitors.len());
-        self.visit(samples, &mut |piece| {
-            fits = pieces.next().is_some_and(|saved| saved.put_back(piece, samples)) && fits;
-        });
-        self.lost = memory.lost;
-        for monitor in &mut self.monitors {
-            monitor.standing = monitor.formula.standing(false);
+    /// Allocates what the rest of the run needs; memory out of a checkpoint has no more than its content.
+    pub fn reserve(&self, memory: &mut ClaimsMemory) {
+        memory.windows.iter_mut().zip(&self.layout.windows).for_each(|(window, &width)| window.reserve(width));
+        for (values, horizon) in memory.histories.iter_mut().zip(&self.layout.histories) {
+            let count = self.stop_tick.saturating_add(1).saturating_sub(*horizon);
+            let capacity = usize::try_from(count).unwrap_or(usize::MAX).min(MAX_INITIAL_CAPACITY);
+            values.reserve_exact(capacity.saturating_sub(values.len()));
         }
-        fits && pieces.next().is_none()
     }
 
-    fn visit(&mut self, samples: u64, each: &mut Visit<'_>) {
-        self.monitors.iter_mut().for_each(|monitor| monitor.formula.visit(samples, each));
+    /// Whether the memory, of whatever origin, can be that of these claims after so many samples: of the same shape, with
+    /// nothing from the future.
+    #[must_use]
+    pub fn fits(&self, memory: &ClaimsMemory, samples: u64) -> bool {
+        let Layout { decisions, temporals, windows, histories } = &self.layout;
+        let in_time = |decision: &Decision| decision.is_none_or(|value| value.tick < samples);
+        let count = |horizon: &u64| samples.saturating_sub(*horizon);
+        (memory.decisions.len(), memory.temporals.len()) == (*decisions, *temporals)
+            && (memory.windows.len(), memory.histories.len()) == (windows.len(), histories.len())
+            && memory.decisions.iter().all(in_time)
+            && memory.temporals.iter().all(|joined| in_time(&joined.counting()))
+            && memory.windows.iter().zip(windows).all(|(window, width)| window.fits(*width, samples))
+            && memory.histories.iter().map(|values| values.len() as u64).eq(histories.iter().map(count))
+            && memory.histories.iter().flatten().all(in_time)
+            && memory.lost.is_none_or(|claim| claim < self.formulas.len())
     }
 }

@@ -1,7 +1,8 @@
 //! Claims judged online: each takes one sample at every tick and has a standing at any time.
 //!
-//! A claim is a `claim::AtStart` over `stream::Stream`s. All memory is allocated before the first sample, so that taking
-//! one allocates nothing. Next on the walk: `recorder.rs` and `report/` of the crate `results`.
+//! A claim is a `claim::AtStart` over `stream::Stream`s, which never change; what changes lies in a `ClaimsMemory`. All of
+//! it is allocated before the first sample, so that taking one allocates nothing. Next on the walk: `recorder.rs` and
+//! `report/` of the crate `results`.
 
 mod claim;
 mod history;
@@ -12,12 +13,14 @@ mod stream;
 mod tests;
 mod window;
 
-pub use memory::Memory;
+pub use memory::ClaimsMemory;
 
-use crate::flatten::expression::{Moment, SlotOf};
+use crate::flatten::expression::{Moment, SlotOf, Stack};
 use claim::AtStart;
 use dsl::scenario::Claim;
+use memory::Layout;
 use results::verdict::{ClaimInfo, Limit, MarginUnit, Standing, Verdict};
+use stream::Sample;
 
 /// Whether a run came to its own end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,66 +39,63 @@ pub fn info(claim: &Claim) -> ClaimInfo {
     ClaimInfo { name: claim.name.clone(), text: claim.text.clone(), line: claim.line, unit, limit }
 }
 
-/// All claims of a script.
+/// All claims of a script, compiled.
 #[derive(Debug)]
 pub struct Claims {
-    monitors: Vec<Monitor>,
-    lost: Option<usize>,
-}
-
-#[derive(Debug)]
-struct Monitor {
-    formula: AtStart,
-    standing: Standing,
+    formulas: Vec<AtStart>,
+    layout: Layout,
+    stop_tick: u64,
 }
 
 impl Claims {
-    /// Compiles the claims and allocates memory for the samples of ticks 0 to `stop_tick`.
+    /// Compiles the claims for a run that ends at `stop_tick`.
     pub fn new(claims: &[Claim], stop_tick: u64, slot_of: &mut SlotOf<'_>) -> Self {
-        let monitor = |claim: &Claim| {
-            let formula = AtStart::new(&claim.formula, stop_tick, slot_of);
-            let standing = formula.standing(false);
-            Monitor { formula, standing }
-        };
-        Self { monitors: claims.iter().map(monitor).collect(), lost: None }
+        let mut layout = Layout::default();
+        let formulas = claims.iter().map(|claim| AtStart::new(&claim.formula, &mut layout, slot_of)).collect();
+        Self { formulas, layout, stop_tick }
     }
 
-    /// Takes the sample of a tick; ticks come without gaps from 0. Calls `changed` for each claim whose standing changed.
-    pub fn take(&mut self, tick: u64, moment: &Moment<'_>, mut changed: impl FnMut(usize, Standing)) {
-        for (index, monitor) in self.monitors.iter_mut().enumerate() {
-            if monitor.formula.take(tick, moment) {
-                let standing = monitor.formula.standing(false);
-                if standing != monitor.standing {
-                    monitor.standing = standing;
-                    changed(index, standing);
-                    if standing.verdict == Verdict::Fails {
-                        self.lost.get_or_insert(index);
-                    }
+    /// Takes the sample of a tick; ticks come without gaps from 0. Calls `changed` for each claim whose standing may have
+    /// changed.
+    pub fn take(
+        &self,
+        memory: &mut ClaimsMemory,
+        tick: u64,
+        moment: &Moment<'_>,
+        stack: &mut Stack,
+        mut changed: impl FnMut(usize, Standing),
+    ) {
+        let mut sample = Sample { moment, stack };
+        for (index, formula) in self.formulas.iter().enumerate() {
+            if formula.take(memory, tick, &mut sample) {
+                let standing = formula.standing(memory, false);
+                changed(index, standing);
+                if standing.verdict == Verdict::Fails {
+                    memory.lost.get_or_insert(index);
                 }
             }
         }
     }
 
     /// The standing of each claim.
-    pub fn standings(&self) -> impl Iterator<Item = (usize, Standing)> + '_ {
-        self.monitors.iter().map(|monitor| monitor.standing).enumerate()
-    }
-
-    /// The claim that was lost first.
-    #[must_use]
-    pub fn lost(&self) -> Option<usize> {
-        self.lost
+    pub fn standings(&self, memory: &ClaimsMemory) -> impl Iterator<Item = (usize, Standing)> {
+        self.formulas.iter().map(|formula| formula.standing(memory, false)).enumerate()
     }
 
     /// Judges all claims by the samples up to `last_tick`, or as unjudged without any sample, and calls `visit` for each;
     /// no claim is undecided afterwards.
-    pub fn end(&mut self, last_tick: Option<u64>, completeness: Completeness, mut visit: impl FnMut(usize, Standing)) {
-        for (index, monitor) in self.monitors.iter_mut().enumerate() {
+    pub fn end(
+        &self,
+        memory: &mut ClaimsMemory,
+        last_tick: Option<u64>,
+        completeness: Completeness,
+        mut visit: impl FnMut(usize, Standing),
+    ) {
+        for (index, formula) in self.formulas.iter().enumerate() {
             if let Some(last_tick) = last_tick {
-                monitor.formula.end(last_tick, completeness);
+                formula.end(memory, last_tick, completeness);
             }
-            monitor.standing = monitor.formula.standing(true);
-            visit(index, monitor.standing);
+            visit(index, formula.standing(memory, true));
         }
     }
 }

@@ -1,10 +1,10 @@
 //! The value of a bounded formula at each tick, computed as soon as the samples that it depends on are available.
 
 use super::judged::{Decision, Join, Joined, Judged};
-use super::memory::{Piece, Visit};
-use super::window::Window;
-use crate::flatten::expression::{Moment, Program, SlotOf};
+use super::memory::{ClaimsMemory, Layout};
+use crate::flatten::expression::{Moment, Program, SlotOf, Stack};
 use dsl::scenario::Formula;
+use std::ops::Range;
 
 /// How many ticks a formula looks ahead: 0 for a comparison; a bounded operator adds its upper bound, an unbounded one
 /// nothing.
@@ -27,6 +27,15 @@ pub fn is_bounded(formula: &Formula) -> bool {
     }
 }
 
+/// What claims take at a tick.
+#[derive(Debug)]
+pub struct Sample<'a> {
+    /// What programs read.
+    pub moment: &'a Moment<'a>,
+    /// What they compute with.
+    pub stack: &'a mut Stack,
+}
+
 /// A bounded formula that converts samples to values, each `horizon` ticks late.
 #[derive(Debug)]
 pub struct Stream {
@@ -38,74 +47,61 @@ pub struct Stream {
 #[derive(Debug)]
 enum Node {
     Atom(Atom),
-    Junction { join: Join, parts: Vec<(Stream, Delay)> },
-    Temporal { body: Box<Stream>, window: Window },
+    /// Each part with the place of its delay among the decisions.
+    Junction(Join, Vec<(Stream, Range<usize>)>),
+    /// The body with width and index of the window.
+    Temporal(Join, Box<Stream>, u64, usize),
 }
 
 impl Stream {
-    /// Compiles the formula and allocates its memory.
-    pub fn new(formula: &Formula, slot_of: &mut SlotOf<'_>) -> Self {
-        let horizon = horizon(formula);
+    /// Compiles the formula.
+    pub(super) fn new(formula: &Formula, layout: &mut Layout, slot_of: &mut SlotOf<'_>) -> Self {
+        let (horizon, join) = (horizon(formula), Join::of(formula));
         let node = match formula {
             Formula::Margin(_) | Formula::Condition(_) => Node::Atom(Atom::new(formula, slot_of)),
-            Formula::And(parts) => Node::junction(Join::All, parts, horizon, slot_of),
-            Formula::Or(parts) => Node::junction(Join::Any, parts, horizon, slot_of),
+            Formula::And(parts) | Formula::Or(parts) => {
+                // The parts of a junction with different horizons meet at the same tick.
+                let part = |part| {
+                    let stream = Self::new(part, layout, slot_of);
+                    let delay = layout.decisions(horizon - stream.horizon);
+                    (stream, delay)
+                };
+                Node::Junction(join, parts.iter().map(part).collect())
+            }
             Formula::Always(window, body) | Formula::Eventually(window, body) => {
-                let join = if matches!(formula, Formula::Always(..)) { Join::All } else { Join::Any };
                 let to = window.to.unwrap_or_else(|| unreachable!("an unbounded word in a bounded formula"));
-                let window = Window::new(join, (to + 1).saturating_sub(window.from));
-                Node::Temporal { body: Box::new(Self::new(body, slot_of)), window }
+                let width = (to + 1).saturating_sub(window.from);
+                Node::Temporal(join, Box::new(Self::new(body, layout, slot_of)), width, layout.window(width))
             }
         };
         Self { horizon, node }
     }
 
     /// Takes the sample of `tick`, or `None` after the last, and returns the value at `tick - horizon`.
-    pub fn take(&mut self, tick: u64, sample: Option<&Moment<'_>>) -> Decision {
-        match &mut self.node {
-            Node::Atom(atom) => sample.map(|moment| atom.judge(tick, moment)),
-            Node::Junction { join, parts } => {
-                let mut joined = Joined::new(*join);
+    pub(super) fn take(&self, memory: &mut ClaimsMemory, tick: u64, mut sample: Option<&mut Sample<'_>>) -> Decision {
+        match &self.node {
+            Node::Atom(atom) => sample.map(|sample| atom.judge(tick, sample)),
+            Node::Junction(join, parts) => {
+                let mut joined = Joined::new(true);
                 for (part, delay) in parts {
-                    let decision = part.take(tick, sample);
-                    joined.take(delay.pass(tick, decision));
+                    let decision = part.take(memory, tick, sample.as_deref_mut());
+                    joined.take(*join, delayed(&mut memory.decisions[delay.clone()], tick, decision));
                 }
-                joined.decision(true)
+                joined.decision(*join)
             }
-            Node::Temporal { body, window } => {
-                let decision = body.take(tick, sample);
-                tick.checked_sub(body.horizon).and_then(|at| window.slide(at, decision))
-            }
-        }
-    }
-
-    /// Visits its memory.
-    pub(super) fn visit(&mut self, each: &mut Visit<'_>) {
-        match &mut self.node {
-            Node::Atom(_) => {}
-            Node::Junction { parts, .. } => {
-                for (part, delay) in parts {
-                    part.visit(each);
-                    each(Piece::Decisions(&mut delay.0));
-                }
-            }
-            Node::Temporal { body, window } => {
-                body.visit(each);
-                window.visit(each);
+            Node::Temporal(join, body, width, window) => {
+                let decision = body.take(memory, tick, sample);
+                let at = tick.checked_sub(body.horizon)?;
+                memory.windows[*window].slide(*join, *width, at, decision)
             }
         }
     }
 }
 
-impl Node {
-    fn junction(join: Join, parts: &[Formula], horizon: u64, slot_of: &mut SlotOf<'_>) -> Self {
-        let part = |part| {
-            let stream = Stream::new(part, slot_of);
-            let delay = Delay::new(horizon - stream.horizon);
-            (stream, delay)
-        };
-        Self::Junction { join, parts: parts.iter().map(part).collect() }
-    }
+/// Stores a value and returns the one that was stored as many ticks ago as the delay is long.
+fn delayed(delay: &mut [Decision], tick: u64, decision: Decision) -> Decision {
+    let slot = tick.checked_rem(delay.len() as u64).and_then(|slot| delay.get_mut(usize::try_from(slot).ok()?));
+    slot.map_or(decision, |held| std::mem::replace(held, decision))
 }
 
 /// A comparison or a condition.
@@ -131,28 +127,10 @@ impl Atom {
     }
 
     /// Its value at the tick of the sample.
-    pub fn judge(&mut self, tick: u64, moment: &Moment<'_>) -> Judged {
+    pub fn judge(&self, tick: u64, sample: &mut Sample<'_>) -> Judged {
         match self.strict {
-            Some(strict) => Judged::margin(self.program.real(moment), strict, tick),
-            None => Judged::condition(self.program.holds(moment), tick),
-        }
-    }
-}
-
-/// Delays values by some ticks, so that the parts of a junction with different horizons meet at the same tick.
-#[derive(Debug)]
-struct Delay(Vec<Decision>);
-
-impl Delay {
-    fn new(ticks: u64) -> Self {
-        Self(vec![None; usize::try_from(ticks).unwrap_or(usize::MAX)])
-    }
-
-    fn pass(&mut self, tick: u64, decision: Decision) -> Decision {
-        let length = self.0.len() as u64;
-        match tick.checked_rem(length).and_then(|slot| self.0.get_mut(usize::try_from(slot).ok()?)) {
-            Some(held) => std::mem::replace(held, decision),
-            None => decision,
+            Some(strict) => Judged::margin(self.program.real(sample.moment, sample.stack), strict, tick),
+            None => Judged::condition(self.program.holds(sample.moment, sample.stack), tick),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Claims judged online, compared with the definition of their operators evaluated on the whole trace.
 
 use super::judged::{Decision, Join, Joined, Judged};
-use super::{Claims, Completeness};
-use crate::flatten::expression::Moment;
+use super::{Claims, ClaimsMemory, Completeness};
+use crate::flatten::expression::{Moment, Stack};
 use crate::flatten::values::{Slot, ValueType, Values};
 use dsl::scenario::{BooleanExpression, Claim, Formula, Margin, Port, RealExpression, TickWindow};
 use proptest::prelude::*;
@@ -12,8 +12,8 @@ use results::verdict::{Standing, Verdict};
 fn defined(formula: &Formula, at: u64, trace: &[[f64; 2]], completeness: Completeness) -> Decision {
     let last = trace.len() as u64 - 1;
     let sample = |variable: usize| trace.get(usize::try_from(at).unwrap()).map(|sample| sample[variable]);
-    let join = if matches!(formula, Formula::And(_) | Formula::Always(..)) { Join::All } else { Join::Any };
-    let mut joined = Joined::new(join);
+    let join = Join::of(formula);
+    let mut joined = Joined::new(true);
     match formula {
         Formula::Margin(Margin { value: RealExpression::Signal(port), strict }) => {
             sample(port.variable).map(|value| Judged::margin(value, *strict, at))
@@ -23,17 +23,18 @@ fn defined(formula: &Formula, at: u64, trace: &[[f64; 2]], completeness: Complet
         }
         Formula::And(parts) | Formula::Or(parts) => {
             for part in parts {
-                joined.take(defined(part, at, trace, completeness));
+                joined.take(join, defined(part, at, trace, completeness));
             }
-            joined.decision(true)
+            joined.decision(join)
         }
         Formula::Always(window, body) | Formula::Eventually(window, body) => {
             let last_judgeable = last.checked_sub(horizon(body));
             let to = window.to.map(|to| at + to).or(last_judgeable);
             for tick in at + window.from..to.map_or(0, |to| to + 1) {
-                joined.take(defined(body, tick, trace, completeness));
+                joined.take(join, defined(body, tick, trace, completeness));
             }
-            joined.decision(window.to.is_some() || completeness == Completeness::Complete)
+            joined.complete = window.to.is_some() || completeness == Completeness::Complete;
+            joined.decision(join)
         }
         _ => unreachable!(),
     }
@@ -54,19 +55,32 @@ fn claims_of(formula: &Formula, stop_tick: u64) -> Claims {
     Claims::new(&[claim], stop_tick, &mut |port| Slot { base: ValueType::Real, index: port.variable })
 }
 
-fn take(claims: &mut Claims, first_tick: u64, samples: &[[f64; 2]]) {
+fn take(claims: &Claims, memory: &mut ClaimsMemory, first_tick: u64, samples: &[[f64; 2]]) {
     for (tick, sample) in (first_tick..).zip(samples) {
         let outputs = Values { reals: sample.to_vec(), ..Values::default() };
-        claims.take(tick, &Moment { outputs: &outputs, time_s: 0.0, rises: &[] }, |_, _| {});
+        let moment = Moment { outputs: &outputs, time_s: 0.0, rises: &[] };
+        claims.take(memory, tick, &moment, &mut Stack::default(), |_, _| {});
     }
 }
 
-fn judge(formula: &Formula, trace: &[[f64; 2]], stop_tick: u64, completeness: Completeness) -> (Claims, Standing) {
-    let mut claims = claims_of(formula, stop_tick);
-    take(&mut claims, 0, trace);
-    let early = claims.monitors[0].standing;
-    claims.end((trace.len() as u64).checked_sub(1), completeness, |_, _| {});
-    (claims, early)
+fn end(claims: &Claims, memory: &mut ClaimsMemory, samples: u64, completeness: Completeness) -> Standing {
+    let mut standing = Standing::UNKNOWN;
+    claims.end(memory, samples.checked_sub(1), completeness, |_, last| standing = last);
+    standing
+}
+
+/// The standing of a run that has ended and the one before it was known to end, and the claim that was lost meanwhile.
+fn judge(
+    formula: &Formula,
+    trace: &[[f64; 2]],
+    stop_tick: u64,
+    completeness: Completeness,
+) -> (Standing, Standing, Option<usize>) {
+    let claims = claims_of(formula, stop_tick);
+    let mut memory = claims.memory();
+    take(&claims, &mut memory, 0, trace);
+    let (_, early) = claims.standings(&memory).next().unwrap();
+    (end(&claims, &mut memory, trace.len() as u64, completeness), early, memory.lost())
 }
 
 fn signal(variable: usize) -> RealExpression {
@@ -129,8 +143,7 @@ proptest! {
         formula in any_formula(), trace in any_trace(), complete: bool, more in 0..5_u64,
     ) {
         let completeness = if complete { Completeness::Complete } else { Completeness::CutOff };
-        let (claims, early) = judge(&formula, &trace, trace.len() as u64 - 1 + more, completeness);
-        let standing = claims.monitors[0].standing;
+        let (standing, early, lost) = judge(&formula, &trace, trace.len() as u64 - 1 + more, completeness);
         match defined(&formula, 0, &trace, completeness) {
             Some(value) => {
                 let verdict = if value.holds() { Verdict::Holds } else { Verdict::Fails };
@@ -141,7 +154,7 @@ proptest! {
         if early.verdict != Verdict::Undecided {
             prop_assert_eq!(early.verdict, standing.verdict, "a decided claim stays decided");
         }
-        prop_assert_eq!(claims.lost().is_some(), early.verdict == Verdict::Fails);
+        prop_assert_eq!(lost.is_some(), early.verdict == Verdict::Fails);
     }
 
     #[test]
@@ -150,33 +163,32 @@ proptest! {
     ) {
         let completeness = if complete { Completeness::Complete } else { Completeness::CutOff };
         let stop_tick = trace.len() as u64 - 1 + more;
-        let (whole, _) = judge(&formula, &trace, stop_tick, completeness);
+        let (whole, _, lost) = judge(&formula, &trace, stop_tick, completeness);
         let (before, after) = trace.split_at(cut.min(trace.len()));
-        let mut saved = claims_of(&formula, stop_tick);
-        take(&mut saved, 0, before);
-        let bytes = postcard::to_stdvec(&saved.memory()).unwrap();
-        let samples = before.len() as u64;
-        let mut continued = claims_of(&formula, stop_tick);
-        prop_assert!(continued.remember(&postcard::from_bytes(&bytes).unwrap(), samples));
-        prop_assert_eq!(continued.monitors[0].standing, saved.monitors[0].standing);
-        prop_assert_eq!(&postcard::to_stdvec(&continued.memory()).unwrap(), &bytes);
-        take(&mut continued, samples, after);
-        prop_assert_eq!(continued.lost(), whole.lost());
-        continued.end(Some(trace.len() as u64 - 1), completeness, |_, _| {});
-        prop_assert_eq!(continued.monitors[0].standing, whole.monitors[0].standing);
+        let (claims, samples) = (claims_of(&formula, stop_tick), before.len() as u64);
+        let mut saved = claims.memory();
+        take(&claims, &mut saved, 0, before);
+        let bytes = postcard::to_stdvec(&saved).unwrap();
+        let mut continued = postcard::from_bytes(&bytes).unwrap();
+        prop_assert!(claims.fits(&continued, samples));
+        claims.reserve(&mut continued);
+        prop_assert_eq!(&postcard::to_stdvec(&continued).unwrap(), &bytes);
+        take(&claims, &mut continued, samples, after);
+        prop_assert_eq!(continued.lost(), lost);
+        prop_assert_eq!(end(&claims, &mut continued, trace.len() as u64, completeness), whole);
     }
 
     #[test]
     fn the_memory_of_other_claims_is_refused_or_causes_no_panic(
         formula in any_formula(), other in any_formula(), trace in any_trace(), samples in 1..12_u64,
     ) {
-        let mut saved = claims_of(&other, 40);
-        take(&mut saved, 0, &trace);
-        let mut claims = claims_of(&formula, 40);
-        if claims.remember(&saved.memory(), samples) {
-            take(&mut claims, samples, &trace);
-            claims.end(Some(samples + trace.len() as u64 - 1), Completeness::Complete, |_, _| {});
-            prop_assert_ne!(claims.monitors[0].standing.verdict, Verdict::Undecided);
+        let [claims, other] = [&formula, &other].map(|formula| claims_of(formula, 40));
+        let mut memory = other.memory();
+        take(&other, &mut memory, 0, &trace);
+        if claims.fits(&memory, samples) {
+            take(&claims, &mut memory, samples, &trace);
+            let standing = end(&claims, &mut memory, samples + trace.len() as u64, Completeness::Complete);
+            prop_assert_ne!(standing.verdict, Verdict::Undecided);
         }
     }
 
@@ -184,9 +196,9 @@ proptest! {
     fn a_verdict_of_a_run_that_was_cut_off_is_that_of_every_continuation(
         formula in any_formula(), trace in any_trace(), rest in any_trace(),
     ) {
-        let cut = judge(&formula, &trace, 40, Completeness::CutOff).0.monitors[0].standing.verdict;
+        let cut = judge(&formula, &trace, 40, Completeness::CutOff).0.verdict;
         let whole: Vec<_> = trace.iter().chain(&rest).copied().collect();
-        let later = judge(&formula, &whole, 40, Completeness::CutOff).0.monitors[0].standing.verdict;
+        let later = judge(&formula, &whole, 40, Completeness::CutOff).0.verdict;
         if cut != Verdict::Unjudged {
             prop_assert_eq!(cut, later);
         }
@@ -195,7 +207,7 @@ proptest! {
 
 fn standing_of(formula: &Formula, values: &[f64], completeness: Completeness) -> (Verdict, f64, u64) {
     let trace: Vec<_> = values.iter().map(|&value| [value, 0.0]).collect();
-    let standing = judge(formula, &trace, 100, completeness).0.monitors[0].standing;
+    let standing = judge(formula, &trace, 100, completeness).0;
     (standing.verdict, standing.margin, standing.worst_tick)
 }
 
@@ -245,12 +257,12 @@ fn not_a_number_fails_at_its_sample_only() {
 #[test]
 fn a_run_too_long_for_memory_can_begin() {
     let nested = always(0, None, eventually(0, None, above_zero(0, true)));
-    let (claims, _) = judge(&nested, &[[1.0, 0.0]], u64::MAX, Completeness::Complete);
-    assert_eq!(claims.monitors.len(), 1);
+    let (standing, ..) = judge(&nested, &[[1.0, 0.0]], u64::MAX, Completeness::Complete);
+    assert_eq!(standing.verdict, Verdict::Holds);
 }
 
 #[test]
 fn a_run_without_a_sample_leaves_every_claim_unjudged() {
-    let (claims, _) = judge(&above_zero(0, true), &[], 10, Completeness::CutOff);
-    assert_eq!(claims.monitors[0].standing.verdict, Verdict::Unjudged);
+    let (standing, ..) = judge(&above_zero(0, true), &[], 10, Completeness::CutOff);
+    assert_eq!(standing.verdict, Verdict::Unjudged);
 }

@@ -26,14 +26,14 @@ impl Program {
     /// The value of a curve over time.
     #[must_use]
     pub fn curve(curve: &Curve) -> Self {
-        Self { operations: [Operation::Curve(curve.clone())].into(), stack: [0.0].into() }
+        Self { operations: [Operation::Curve(curve.clone())].into(), depth: 1 }
     }
 
     fn compile(write: impl FnOnce(&mut Compiler<'_, '_>), slot_of: &mut SlotOf<'_>) -> Self {
         let mut compiler = Compiler { slot_of, operations: Vec::new(), depth: 0, deepest: 0 };
         write(&mut compiler);
         assert_eq!(compiler.depth, 1, "an expression leaves one value on the stack");
-        Self { operations: compiler.operations.into(), stack: vec![0.0; compiler.deepest].into() }
+        Self { operations: compiler.operations.into(), depth: compiler.deepest }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Tests of compiled expressions.
 
-use super::{Moment, Program};
+use super::{Moment, Program, Stack};
 use crate::flatten::values::{Slot, ValueType, Values};
 use dsl::scenario::{BooleanExpression as B, Function, Margin, Operand, Port, RealExpression as E, Value};
 use proptest::prelude::*;
@@ -22,12 +22,12 @@ fn outputs() -> Values {
 
 fn real(expression: &E) -> f64 {
     let moment = Moment { outputs: &outputs(), time_s: 1.5, rises: &[false, true] };
-    Program::compile_real(expression, &mut slot_of).real(&moment)
+    Program::compile_real(expression, &mut slot_of).real(&moment, &mut Stack::default())
 }
 
 fn holds(condition: &B) -> bool {
     let moment = Moment { outputs: &outputs(), time_s: 1.5, rises: &[false, true] };
-    Program::compile_condition(condition, &mut slot_of).holds(&moment)
+    Program::compile_condition(condition, &mut slot_of).holds(&moment, &mut Stack::default())
 }
 
 fn signal(variable: usize) -> E {

@@ -3,7 +3,7 @@
 use super::feed::Computed;
 use super::groups::Group;
 use super::slot_table::SlotTable;
-use crate::flatten::expression::Moment;
+use crate::flatten::expression::{Moment, Stack};
 use crate::flatten::values::{Slot, ValueType, Values};
 use dsl::scenario::{Port, Scenario, Trigger, Value};
 use serde::{Deserialize, Serialize};
@@ -74,9 +74,9 @@ impl OverrideState {
 
 impl Override {
     /// Stores the value that applies at this moment; leaves the input alone where a connection drives it.
-    pub fn bring(&mut self, state: OverrideState, moment: &Moment<'_>, inputs: &mut Values) {
+    pub fn bring(&self, state: OverrideState, moment: &Moment<'_>, stack: &mut Stack, inputs: &mut Values) {
         match (state.window.or(state.lasting), &self.rest) {
-            (Some(set), _) => self.sets[set].bring(moment, inputs),
+            (Some(set), _) => self.sets[set].bring(moment, stack, inputs),
             (None, Some(rest)) => inputs.store(self.to, rest),
             (None, None) => {}
         }

@@ -1,7 +1,7 @@
 //! What connections bring to the inputs of a group: plain copies, merged into contiguous ranges, and computed values.
 
 use super::slot_table::SlotTable;
-use crate::flatten::expression::{Moment, Program};
+use crate::flatten::expression::{Moment, Program, Stack};
 use crate::flatten::values::{Slot, ValueType, Values};
 use dsl::scenario::{Connection, Drive};
 
@@ -93,16 +93,16 @@ impl Feed {
 
     /// Computes all values and stores them in the inputs.
     #[inline]
-    pub fn bring(&mut self, moment: &Moment<'_>, inputs: &mut Values) {
+    pub fn bring(&self, moment: &Moment<'_>, stack: &mut Stack, inputs: &mut Values) {
         copy(&self.reals, &moment.outputs.reals, &mut inputs.reals);
-        if let Some(others) = &mut self.others {
-            others.bring(moment, inputs);
+        if let Some(others) = &self.others {
+            others.bring(moment, stack, inputs);
         }
     }
 }
 
 impl Others {
-    fn bring(&mut self, moment: &Moment<'_>, inputs: &mut Values) {
+    fn bring(&self, moment: &Moment<'_>, stack: &mut Stack, inputs: &mut Values) {
         let outputs = moment.outputs;
         copy(&self.integers, &outputs.integers, &mut inputs.integers);
         copy(&self.booleans, &outputs.booleans, &mut inputs.booleans);
@@ -110,8 +110,8 @@ impl Others {
             inputs.texts[range.to..range.to + range.length]
                 .clone_from_slice(&outputs.texts[range.from..range.from + range.length]);
         }
-        for computed in &mut self.computed {
-            computed.bring(moment, inputs);
+        for computed in &self.computed {
+            computed.bring(moment, stack, inputs);
         }
     }
 }
@@ -157,13 +157,13 @@ impl Computed {
     }
 
     /// Computes the value and stores it in its input.
-    pub fn bring(&mut self, moment: &Moment<'_>, inputs: &mut Values) {
+    pub fn bring(&self, moment: &Moment<'_>, stack: &mut Stack, inputs: &mut Values) {
         let to = self.to;
-        match &mut self.value {
-            ComputedValue::Real(program) => inputs.reals[to] = program.real(moment),
+        match &self.value {
+            ComputedValue::Real(program) => inputs.reals[to] = program.real(moment, stack),
             #[expect(clippy::cast_possible_truncation, reason = "it was an i32 before it was on the stack")]
-            ComputedValue::Integer(program) => inputs.integers[to] = program.real(moment) as i32,
-            ComputedValue::Boolean(program) => inputs.booleans[to] = i32::from(program.holds(moment)),
+            ComputedValue::Integer(program) => inputs.integers[to] = program.real(moment, stack) as i32,
+            ComputedValue::Boolean(program) => inputs.booleans[to] = i32::from(program.holds(moment, stack)),
             ComputedValue::ConstantInteger(value) => inputs.integers[to] = *value,
             ComputedValue::ConstantText(text) => inputs.texts[to].clone_from(text),
             ComputedValue::Text(from) => inputs.texts[to].clone_from(&moment.outputs.texts[*from]),

@@ -4,7 +4,7 @@
 //! a run can continue in other workers than it was saved in.
 
 use super::{Observer, StepLoop, UnderWay};
-use crate::flatten::claims::{Claims, Memory};
+use crate::flatten::claims::{Claims, ClaimsMemory};
 use crate::flatten::values::Values;
 use crate::flatten::wiring::{InstancePorts, OverrideState, Wiring};
 use crate::run::worker::{Reply, Terminated};
@@ -28,7 +28,7 @@ pub struct Checkpoint {
     rises: Vec<bool>,
     /// Which `set` of each override applies.
     overrides: Vec<OverrideState>,
-    claims: Memory,
+    claims: ClaimsMemory,
 }
 
 /// One instance.
@@ -86,7 +86,7 @@ impl Checkpoint {
             self.instances[instance].fits(&wiring.ports[instance]) && early.as_ref().is_none_or(itself)
         };
         let is_under_way = |instance: &usize| self.instances[*instance].early.is_some();
-        let mut claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
+        let claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
         (0..wiring.ports.len()).all(instance_fits)
             && wiring.groups.iter().all(|group| {
                 group
@@ -99,7 +99,7 @@ impl Checkpoint {
             && [self.held.len(), self.rises.len()] == [wiring.rises.len(); 2]
             && self.overrides.len() == wiring.overrides.all.len()
             && wiring.overrides.all.iter().zip(&self.overrides).all(|(one, state)| one.fits(state))
-            && claims.remember(&self.claims, self.tick + 1)
+            && claims.fits(&self.claims, self.tick + 1)
     }
 }
 
@@ -207,8 +207,10 @@ impl<W: Observer> StepLoop<'_, W> {
         self.overrides.clone_from(&checkpoint.overrides);
         self.next_change = self.wiring.overrides.changes.partition_point(|change| change.tick <= *tick);
         self.samples = tick + 1;
-        assert!(self.claims.remember(&checkpoint.claims, self.samples), "a checkpoint fits its claims");
-        self.claims.standings().for_each(|(claim, standing)| self.observer.claim(claim, standing));
+        assert!(self.claims.fits(&checkpoint.claims, self.samples), "a checkpoint fits its claims");
+        self.claims_memory.clone_from(&checkpoint.claims);
+        self.claims.reserve(&mut self.claims_memory);
+        self.claims.standings(&self.claims_memory).for_each(|(claim, standing)| self.observer.claim(claim, standing));
         Ok(())
     }
 }

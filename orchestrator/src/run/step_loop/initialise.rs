@@ -11,10 +11,11 @@ impl<W: Observer> StepLoop<'_, W> {
     /// # Errors
     /// A unit refuses, or an initial value is not finite.
     pub(super) fn initialise(&mut self) -> Result<(), Failure> {
-        for call in &mut self.wiring.initialization {
+        for call in &self.wiring.initialization {
             match call {
                 InitialCall::Set { worker, instance, feed, slots } => {
-                    feed.bring(&Moment { outputs: &self.visible, time_s: 0.0, rises: &self.rises }, &mut self.inputs);
+                    let moment = Moment { outputs: &self.visible, time_s: 0.0, rises: &self.rises };
+                    feed.bring(&moment, &mut self.stack, &mut self.inputs);
                     self.workers[*worker].set_initial(*instance, slots, &self.inputs)
                 }
                 InitialCall::Get { worker, instance, slots } => {

@@ -92,7 +92,7 @@ fn what_differs_is_told_at_once_with_what_to_do() {
         }),
         told(&|other| other.units[0].name = "\x1b[2J".to_owned()),
         refused(b"time,quad.x\n"),
-        refused(&[MAGIC.as_slice(), &[2, 0, 0, 0]].concat()),
+        refused(&[MAGIC.as_slice(), &[3, 0, 0, 0]].concat()),
         refused(&whole[..whole.len() - 1]),
         refused(&version("0.0.9")),
         refused(&file(&end)),
