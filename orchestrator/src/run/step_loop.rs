@@ -14,7 +14,7 @@ pub use checkpoint::Checkpoint;
 pub use observer::Observer;
 
 use crate::flatten::claims::{Claims, Completeness};
-use crate::flatten::expression::Moment;
+use crate::flatten::expression::{Moment, evaluate_shared};
 use crate::flatten::values::Values;
 use crate::flatten::wiring::{Wave, Wiring};
 use crate::run::message::{Finish, Reason};
@@ -54,6 +54,9 @@ pub struct StepLoop<'a, W> {
     /// Whether each condition of `rises` held at the last sample, and whether it rises now.
     held: Vec<bool>,
     rises: Vec<bool>,
+    /// The shared expressions, of the visible and of the latest outputs.
+    visible_shared: Vec<f64>,
+    latest_shared: Vec<f64>,
     next_change: usize,
     row: Vec<u64>,
     /// The number of samples that the claims took.
@@ -78,6 +81,8 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             terminated: Vec::new(),
             held: vec![false; wiring.rises.len()],
             rises: vec![false; wiring.rises.len()],
+            visible_shared: vec![0.0; wiring.shared.len()],
+            latest_shared: vec![0.0; wiring.shared.len()],
             next_change: 0,
             row: wiring.row.row(),
             samples: 0,
@@ -138,11 +143,18 @@ impl<'a, W: Observer> StepLoop<'a, W> {
 
     /// Claims take the sample of this tick.
     fn judge(&mut self, tick: u64, time_s: f64) {
+        let all = 0..self.visible_shared.len();
+        evaluate_shared(&mut self.wiring.shared, all, (&self.visible, time_s), &mut self.visible_shared);
         for (slot, condition) in self.wiring.rises.iter_mut().enumerate() {
-            let holds = condition.holds(&Moment { outputs: &self.visible, time_s, rises: &self.rises });
+            let holds = condition.holds(&Moment {
+                outputs: &self.visible,
+                time_s,
+                rises: &self.rises,
+                shared: &self.visible_shared,
+            });
             self.rises[slot] = holds && !std::mem::replace(&mut self.held[slot], holds);
         }
-        let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+        let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises, shared: &self.visible_shared };
         self.claims.take(tick, &moment, |claim, standing| self.observer.claim(claim, standing));
         self.samples = tick + 1;
     }
@@ -170,7 +182,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
 
     /// `->` brings the visible outputs to the groups that step now.
     fn drive(&mut self, tick: u64, time_s: f64) {
-        let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+        let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises, shared: &self.visible_shared };
         for (group, feed) in self.wiring.groups.iter().zip(&mut self.wiring.delayed) {
             if group.is_due(tick) {
                 feed.bring(&moment, &mut self.inputs);
@@ -182,6 +194,8 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     fn step(&mut self, wave: usize, tick: u64, time_s: f64) -> Result<Option<Finish>, Failure> {
         let Wave { groups, is_fed, is_read } = self.wiring.waves[wave].clone();
         if is_fed {
+            let slots = self.wiring.shared_of_wave[wave].iter().copied();
+            evaluate_shared(&mut self.wiring.shared, slots, (&self.latest, time_s), &mut self.latest_shared);
             self.feed(groups.clone(), tick, time_s);
         }
         for index in groups.clone() {
@@ -197,8 +211,8 @@ impl<'a, W: Observer> StepLoop<'a, W> {
 
     /// `=>` and `set` drive the inputs of the groups that step in this wave.
     fn feed(&mut self, groups: Range<usize>, tick: u64, time_s: f64) {
-        let latest = Moment { outputs: &self.latest, time_s, rises: &self.rises };
-        let visible = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+        let latest = Moment { outputs: &self.latest, time_s, rises: &self.rises, shared: &self.latest_shared };
+        let visible = Moment { outputs: &self.visible, time_s, rises: &self.rises, shared: &self.visible_shared };
         for group in groups.filter(|&group| self.wiring.groups[group].is_due(tick)) {
             self.wiring.direct[group].bring(&latest, &mut self.inputs);
             for target in &mut self.wiring.overrides[group] {

@@ -58,7 +58,7 @@ fn claims_of(formula: &Formula, stop_tick: u64) -> Claims {
 fn take(claims: &mut Claims, first_tick: u64, samples: &[[f64; 2]]) {
     for (tick, sample) in (first_tick..).zip(samples) {
         let outputs = Values { reals: sample.to_vec(), ..Values::default() };
-        claims.take(tick, &Moment { outputs: &outputs, time_s: 0.0, rises: &[] }, |_, _| {});
+        claims.take(tick, &Moment { outputs: &outputs, time_s: 0.0, rises: &[], shared: &[] }, |_, _| {});
     }
 }
 
