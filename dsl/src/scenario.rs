@@ -12,6 +12,7 @@ mod reads;
 pub use curve::Curve;
 pub use duration::duration;
 pub use event::{Action, Event, Fault, FaultKind, Set, Trigger};
+pub use reads::Slots;
 use serde::{Deserialize, Serialize};
 
 /// A script, ready to run.
@@ -37,6 +38,8 @@ pub struct Scenario {
     pub events: Vec<Event>,
     /// The conditions whose past counts, by slot.
     pub conditions: Vec<Condition>,
+    /// What connections, conditions and claims use more than once; each may use those before it.
+    pub shared: Vec<RealExpression>,
     /// The claims in the script's order.
     pub claims: Vec<Claim>,
     /// What is recorded, in column order.
@@ -195,6 +198,8 @@ pub enum RealExpression {
     Divide(Box<RealExpression>, Box<RealExpression>),
     /// A function of its arguments.
     Call(Function, Vec<RealExpression>),
+    /// Index into [`Scenario::shared`].
+    Shared(usize),
 }
 
 /// The functions with a real value.

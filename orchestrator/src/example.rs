@@ -21,6 +21,7 @@ pub fn scenario() -> Scenario {
         connections: vec![],
         events: vec![],
         conditions: vec![],
+        shared: vec![],
         claims: vec![],
         columns: vec![],
     }

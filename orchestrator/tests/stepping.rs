@@ -63,6 +63,7 @@ fn scenario() -> Scenario {
             ],
         )],
         conditions: Vec::new(),
+        shared: Vec::new(),
         claims: Vec::new(),
         columns: [(0, U), (0, Y), (1, Y), (1, COUNT), (0, ENABLED)].map(column).to_vec(),
     }

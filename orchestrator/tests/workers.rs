@@ -63,6 +63,7 @@ fn scenario() -> Scenario {
         connections: [(3, 0, false), (0, 1, false), (1, 2, true), (2, 3, false)].map(connection).to_vec(),
         events: Vec::new(),
         conditions: Vec::new(),
+        shared: Vec::new(),
         claims: Vec::new(),
         columns: columns.map(|port| Column { name: String::new(), port }).collect(),
     }

@@ -75,6 +75,7 @@ mod reads;
 mod real;
 mod scope;
 mod script;
+mod share;
 mod signal;
 mod temporal;
 mod unit;
@@ -118,7 +119,10 @@ pub fn resolve(request: &Request<'_>) -> Resolved {
         shared.top().requirements_of_libraries();
         let failed = shared.failed();
         let (diagnostics, conditions) = shared.finish();
-        let scenario = scenario.filter(|_| !failed).map(|scenario| Scenario { conditions, ..scenario });
+        let mut scenario = scenario.filter(|_| !failed).map(|scenario| Scenario { conditions, ..scenario });
+        if let Some(scenario) = &mut scenario {
+            shared.of_bindings(|meanings| share::share(scenario, meanings));
+        }
         assert!(failed || scenario.is_some(), "a script without an error has a meaning");
         Resolved { scenario, diagnostics }
     })
@@ -164,6 +168,7 @@ fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
         connections: connections.into_iter().map(|wired| wired.connection).collect(),
         events,
         conditions: Vec::new(),
+        shared: Vec::new(),
         claims,
         columns,
     })

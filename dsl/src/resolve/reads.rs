@@ -1,10 +1,10 @@
-//! Which ports drivers and claims read, while conditions of `rises` still come in.
+//! Which ports drivers and claims read, while conditions of `rises` still come in and nothing is shared.
 
 use std::collections::BTreeSet;
 
 use super::scope::Scope;
 use super::wire::Wired;
-use crate::scenario::{Drive, Formula, Port};
+use crate::scenario::{Drive, Formula, Port, Slots};
 
 impl Scope<'_, '_> {
     /// All ports that connections read.
@@ -15,7 +15,7 @@ impl Scope<'_, '_> {
     /// The ports that a driver reads.
     pub fn read_by(&self, drive: &Drive) -> BTreeSet<Port> {
         let mut ports = BTreeSet::new();
-        drive.reads(&self.conditions.borrow().by_slot, &mut |port| {
+        drive.reads(Slots { conditions: &self.conditions.borrow().by_slot, shared: &[] }, &mut |port| {
             ports.insert(port);
         });
         ports
@@ -23,7 +23,7 @@ impl Scope<'_, '_> {
 
     /// Adds the ports that a claim reads.
     pub fn of_formula(&self, formula: &Formula, ports: &mut BTreeSet<Port>) {
-        formula.reads(&self.conditions.borrow().by_slot, &mut |port| {
+        formula.reads(Slots { conditions: &self.conditions.borrow().by_slot, shared: &[] }, &mut |port| {
             ports.insert(port);
         });
     }

@@ -103,6 +103,11 @@ impl<'a> Shared<'a> {
         (findings, self.conditions.take().by_slot)
     }
 
+    /// Gives out the meanings of `let` and `param`, as far as they are worked out.
+    pub fn of_bindings(&self, visit: impl FnOnce(&mut dyn Iterator<Item = &Meaning>)) {
+        visit(&mut self.bindings.borrow().values().filter_map(Option::as_deref));
+    }
+
     /// Notes a finding, once for each code and place.
     pub fn report(&self, finding: Diagnostic) {
         self.findings.borrow_mut().add(finding, None);

@@ -1,15 +1,32 @@
 //! Which ports a value is computed from.
 
-use super::{BooleanExpression, Condition, Drive, Formula, Operand, Port, RealExpression};
+use super::{BooleanExpression, Condition, Drive, Formula, Operand, Port, RealExpression, Scenario};
+
+/// What expressions name by slot.
+#[derive(Clone, Copy, Debug)]
+pub struct Slots<'a> {
+    /// As [`Scenario::conditions`].
+    pub conditions: &'a [Condition],
+    /// As [`Scenario::shared`].
+    pub shared: &'a [RealExpression],
+}
+
+impl Scenario {
+    /// What its expressions name by slot.
+    #[must_use]
+    pub fn slots(&self) -> Slots<'_> {
+        Slots { conditions: &self.conditions, shared: &self.shared }
+    }
+}
 
 impl Drive {
-    /// Visits each port that the value is computed from, those behind [`BooleanExpression::Rises`] included; `conditions` are
-    /// those of the scenario by slot. A port may be visited more than once.
-    pub fn reads(&self, conditions: &[Condition], visit: &mut dyn FnMut(Port)) {
+    /// Visits each port that the value is computed from, those behind [`BooleanExpression::Rises`] and
+    /// [`RealExpression::Shared`] included. A port may be visited more than once.
+    pub fn reads(&self, slots: Slots<'_>, visit: &mut dyn FnMut(Port)) {
         match self {
             Self::Copy(port) => visit(*port),
-            Self::Real(value) => value.reads(visit),
-            Self::Boolean(condition) => condition.reads(conditions, visit),
+            Self::Real(value) => value.reads(slots, visit),
+            Self::Boolean(condition) => condition.reads(slots, visit),
             Self::Integer(_) | Self::String(_) | Self::Curve(_) => {}
         }
     }
@@ -23,23 +40,23 @@ impl Drive {
 
 impl Formula {
     /// As [`Drive::reads`].
-    pub fn reads(&self, conditions: &[Condition], visit: &mut dyn FnMut(Port)) {
+    pub fn reads(&self, slots: Slots<'_>, visit: &mut dyn FnMut(Port)) {
         match self {
-            Self::Margin(margin) => margin.value.reads(visit),
-            Self::Condition(condition) => condition.reads(conditions, visit),
-            Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.reads(conditions, visit)),
-            Self::Always(_, body) | Self::Eventually(_, body) => body.reads(conditions, visit),
+            Self::Margin(margin) => margin.value.reads(slots, visit),
+            Self::Condition(condition) => condition.reads(slots, visit),
+            Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.reads(slots, visit)),
+            Self::Always(_, body) | Self::Eventually(_, body) => body.reads(slots, visit),
         }
     }
 }
 
 impl BooleanExpression {
     /// As [`Drive::reads`].
-    pub fn reads(&self, conditions: &[Condition], visit: &mut dyn FnMut(Port)) {
+    pub fn reads(&self, slots: Slots<'_>, visit: &mut dyn FnMut(Port)) {
         match self {
             Self::Constant(_) => {}
             Self::Signal(port) => visit(*port),
-            Self::Margin(margin) => margin.value.reads(visit),
+            Self::Margin(margin) => margin.value.reads(slots, visit),
             Self::Same(left, right) => {
                 for operand in [left, right] {
                     if let Operand::Signal(port) = operand {
@@ -47,9 +64,9 @@ impl BooleanExpression {
                     }
                 }
             }
-            Self::Rises(slot) => conditions[*slot].is.reads(conditions, visit),
-            Self::Not(of) => of.reads(conditions, visit),
-            Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.reads(conditions, visit)),
+            Self::Rises(slot) => slots.conditions[*slot].is.reads(slots, visit),
+            Self::Not(of) => of.reads(slots, visit),
+            Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.reads(slots, visit)),
         }
     }
 
@@ -64,19 +81,20 @@ impl BooleanExpression {
 }
 
 impl RealExpression {
-    fn reads(&self, visit: &mut dyn FnMut(Port)) {
+    fn reads(&self, slots: Slots<'_>, visit: &mut dyn FnMut(Port)) {
         match self {
             Self::Constant(_) | Self::Time => {}
             Self::Signal(port) => visit(*port),
-            Self::Affine { of, .. } | Self::InverseAffine { of, .. } | Self::Negate(of) => of.reads(visit),
+            Self::Affine { of, .. } | Self::InverseAffine { of, .. } | Self::Negate(of) => of.reads(slots, visit),
             Self::Add(left, right)
             | Self::Subtract(left, right)
             | Self::Multiply(left, right)
             | Self::Divide(left, right) => {
-                left.reads(visit);
-                right.reads(visit);
+                left.reads(slots, visit);
+                right.reads(slots, visit);
             }
-            Self::Call(_, arguments) => arguments.iter().for_each(|argument| argument.reads(visit)),
+            Self::Shared(slot) => slots.shared[*slot].reads(slots, visit),
+            Self::Call(_, arguments) => arguments.iter().for_each(|argument| argument.reads(slots, visit)),
         }
     }
 }

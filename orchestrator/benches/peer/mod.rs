@@ -106,6 +106,7 @@ impl Unit {
             connections: links.flat_map(link).collect(),
             events: Vec::new(),
             conditions: Vec::new(),
+            shared: Vec::new(),
             claims: Vec::new(),
             columns: Vec::new(),
         }

@@ -20,6 +20,21 @@ pub struct Moment<'a> {
     pub time_s: f64,
     /// For each condition of `Scenario::rises` whether it holds now and did not hold at the sample before.
     pub rises: &'a [bool],
+    /// The values of `Scenario::shared` that programs use, computed from the same outputs.
+    pub shared: &'a [f64],
+}
+
+/// Computes these shared expressions, given in their order: one may use those before it.
+pub fn evaluate_shared(
+    programs: &[Program],
+    slots: impl IntoIterator<Item = usize>,
+    (outputs, time_s): (&Values, f64),
+    stack: &mut Stack,
+    values: &mut [f64],
+) {
+    for slot in slots {
+        values[slot] = programs[slot].real(&Moment { outputs, time_s, rises: &[], shared: values }, stack);
+    }
 }
 
 /// A compiled expression.
@@ -48,6 +63,7 @@ enum Operation {
     Integer(u32),
     Boolean(u32),
     Rises(u32),
+    Shared(u32),
     Affine {
         factor: f64,
         offset: f64,
@@ -112,6 +128,7 @@ impl Program {
                 Operation::Integer(index) => f64::from(outputs.integers[index as usize]),
                 Operation::Boolean(index) => truth(outputs.booleans[index as usize] != 0),
                 Operation::Rises(index) => truth(moment.rises[index as usize]),
+                Operation::Shared(index) => moment.shared[index as usize],
                 Operation::Curve(ref curve) => curve.at(moment.time_s),
                 Operation::SameText(ref texts) => truth(texts.0.read(outputs) == texts.1.read(outputs)),
                 Operation::Affine { factor, offset } => {
@@ -140,6 +157,14 @@ impl Program {
             depth += 1;
         }
         stack[0]
+    }
+
+    /// The shared expressions that it uses.
+    pub fn shared(&self) -> impl Iterator<Item = usize> + '_ {
+        self.operations.iter().filter_map(|operation| match operation {
+            Operation::Shared(slot) => Some(*slot as usize),
+            _ => None,
+        })
     }
 
     /// Whether the condition holds at a moment.

@@ -21,6 +21,7 @@ use crate::flatten::values::{Slot, Values, start_value};
 use dsl::scenario::{InitialStep, Port, Scenario};
 use fmi2::description::ModelDescription;
 use slot_table::SlotTable;
+use std::collections::BTreeSet;
 use std::ops::Range;
 use unit::time::seconds;
 
@@ -49,6 +50,10 @@ pub struct Wiring {
     pub initialization: Vec<InitialCall>,
     /// The conditions of `rises`.
     pub rises: Vec<Program>,
+    /// What several connections, conditions and claims use.
+    pub shared: Vec<Program>,
+    /// For each wave, those of them that its `=>` connections use.
+    pub shared_of_wave: Vec<Vec<usize>>,
     /// Where the values of a row come from.
     pub row: RowLayout,
     /// The inputs before the first step: presets and declared start values.
@@ -89,6 +94,8 @@ pub enum InitialCall {
         instance: usize,
         /// The connections that drive them.
         feed: Feed,
+        /// The shared expressions that they use.
+        shared: Vec<usize>,
         /// The inputs.
         slots: Vec<VariableSlot>,
     },
@@ -134,9 +141,13 @@ impl Wiring {
             is_read: groups[range.clone()].iter().any(|group| !group.read_every.is_empty()),
             groups: range,
         };
-        let waves = waves.into_iter().map(wave).collect();
+        let waves: Vec<_> = waves.into_iter().map(wave).collect();
+        let shared = scenario.shared.iter();
+        let shared: Vec<_> = shared.map(|value| Program::compile_real(value, &mut |port| table.read(port))).collect();
+        let shared_of_wave = waves.iter().map(|wave| used(&shared, &direct[wave.groups.clone()])).collect();
+        let initialization = scenario.initialization.iter();
         let initialization =
-            scenario.initialization.iter().map(|step| initial_call(step, scenario, &table, worker_of)).collect();
+            initialization.map(|step| initial_call(step, scenario, &table, &shared, worker_of)).collect();
         let ports = table.take_ports();
         let rises = scenario.conditions.iter();
         let rises =
@@ -155,6 +166,8 @@ impl Wiring {
             overrides,
             initialization,
             rises,
+            shared,
+            shared_of_wave,
             inputs,
             table,
         }
@@ -173,13 +186,32 @@ impl Wiring {
     }
 }
 
-fn initial_call(step: &InitialStep, scenario: &Scenario, table: &SlotTable, worker_of: &[usize]) -> InitialCall {
+/// The shared expressions that these feeds use, by way of others too, in their order.
+fn used(shared: &[Program], feeds: &[Feed]) -> Vec<usize> {
+    let mut open: Vec<_> = feeds.iter().flat_map(Feed::programs).flat_map(Program::shared).collect();
+    let mut used = BTreeSet::new();
+    while let Some(slot) = open.pop() {
+        if used.insert(slot) {
+            open.extend(shared[slot].shared());
+        }
+    }
+    used.into_iter().collect()
+}
+
+fn initial_call(
+    step: &InitialStep,
+    scenario: &Scenario,
+    table: &SlotTable,
+    shared: &[Program],
+    worker_of: &[usize],
+) -> InitialCall {
     match step {
         InitialStep::Set { instance, connections } => {
             let connections: Vec<_> = connections.iter().map(|&index| &scenario.connections[index]).collect();
             let slots = connections.iter().map(|connection| table.input_slot(connection.target)).collect();
             let feed = Feed::new(&connections, table);
-            InitialCall::Set { worker: worker_of[*instance], instance: *instance, feed, slots }
+            let shared = used(shared, std::slice::from_ref(&feed));
+            InitialCall::Set { worker: worker_of[*instance], instance: *instance, feed, shared, slots }
         }
         InitialStep::Get { instance, variables } => {
             let port = |&variable| Port { instance: *instance, variable };

@@ -14,7 +14,7 @@ pub use checkpoint::Checkpoint;
 pub use observer::Observer;
 
 use crate::flatten::claims::{Claims, ClaimsMemory, Completeness};
-use crate::flatten::expression::{Moment, Stack};
+use crate::flatten::expression::{Moment, Stack, evaluate_shared};
 use crate::flatten::values::Values;
 use crate::flatten::wiring::{OverrideState, Wave, Wiring};
 use crate::run::message::{Finish, Reason};
@@ -49,6 +49,9 @@ pub struct StepLoop<'a, W> {
     rises: Vec<bool>,
     /// The stack of all programs.
     stack: Stack,
+    /// The shared expressions, of the visible and of the latest outputs.
+    visible_shared: Vec<f64>,
+    latest_shared: Vec<f64>,
     next_change: usize,
     /// Which `set` of each override applies.
     overrides: Vec<OverrideState>,
@@ -75,6 +78,8 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             held: vec![false; wiring.rises.len()],
             rises: vec![false; wiring.rises.len()],
             stack: Stack::default(),
+            visible_shared: vec![0.0; wiring.shared.len()],
+            latest_shared: vec![0.0; wiring.shared.len()],
             next_change: 0,
             overrides: wiring.overrides.states(),
             samples: 0,
@@ -137,14 +142,14 @@ impl<'a, W: Observer> StepLoop<'a, W> {
 
     /// Claims take the sample of this tick.
     fn judge(&mut self, tick: u64, time_s: f64) {
-        for (slot, condition) in self.wiring.rises.iter().enumerate() {
-            let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
-            let holds = condition.holds(&moment, &mut self.stack);
-            self.rises[slot] = holds && !std::mem::replace(&mut self.held[slot], holds);
+        let Self { wiring, visible, visible_shared, held, rises, stack, claims_memory, observer, .. } = self;
+        evaluate_shared(&wiring.shared, 0..wiring.shared.len(), (visible, time_s), stack, visible_shared);
+        for (slot, condition) in wiring.rises.iter().enumerate() {
+            let holds = condition.holds(&Moment { outputs: visible, time_s, rises, shared: visible_shared }, stack);
+            rises[slot] = holds && !std::mem::replace(&mut held[slot], holds);
         }
-        let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
-        let (memory, stack) = (&mut self.claims_memory, &mut self.stack);
-        self.claims.take(memory, tick, &moment, stack, |claim, standing| self.observer.claim(claim, standing));
+        let moment = Moment { outputs: visible, time_s, rises, shared: visible_shared };
+        self.claims.take(claims_memory, tick, &moment, stack, |claim, standing| observer.claim(claim, standing));
         self.samples = tick + 1;
     }
 
@@ -173,7 +178,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
 
     /// `->` brings the visible outputs to the groups that step now.
     fn drive(&mut self, tick: u64, time_s: f64) {
-        let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+        let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises, shared: &self.visible_shared };
         for (group, feed) in self.wiring.groups.iter().zip(&self.wiring.delayed) {
             if group.is_due(tick) {
                 feed.bring(&moment, &mut self.stack, &mut self.inputs);
@@ -185,6 +190,9 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     fn step(&mut self, wave: usize, tick: u64, time_s: f64) -> Result<Option<Finish>, Failure> {
         let Wave { groups, is_fed, is_read } = self.wiring.waves[wave].clone();
         if is_fed {
+            let slots = self.wiring.shared_of_wave[wave].iter().copied();
+            let now = (&self.latest, time_s);
+            evaluate_shared(&self.wiring.shared, slots, now, &mut self.stack, &mut self.latest_shared);
             self.feed(groups.clone(), tick, time_s);
         }
         for index in groups.clone() {
@@ -200,8 +208,8 @@ impl<'a, W: Observer> StepLoop<'a, W> {
 
     /// `=>` and `set` drive the inputs of the groups that step in this wave.
     fn feed(&mut self, groups: Range<usize>, tick: u64, time_s: f64) {
-        let latest = Moment { outputs: &self.latest, time_s, rises: &self.rises };
-        let visible = Moment { outputs: &self.visible, time_s, rises: &self.rises };
+        let latest = Moment { outputs: &self.latest, time_s, rises: &self.rises, shared: &self.latest_shared };
+        let visible = Moment { outputs: &self.visible, time_s, rises: &self.rises, shared: &self.visible_shared };
         for group in groups.filter(|&group| self.wiring.groups[group].is_due(tick)) {
             self.wiring.direct[group].bring(&latest, &mut self.stack, &mut self.inputs);
             for &target in &self.wiring.overrides.of_group[group] {

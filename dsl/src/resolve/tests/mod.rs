@@ -8,6 +8,7 @@ mod loader;
 mod meaning;
 mod measures;
 mod names;
+mod shared;
 mod times;
 mod types;
 mod whole;

@@ -84,7 +84,7 @@ impl Plan<'_> {
 
     fn arrow(&self, connection: &Connection) -> Arrow {
         let (mut sources, mut known) = (Vec::new(), BTreeSet::new());
-        connection.source.reads(&self.scenario.conditions, &mut |port| {
+        connection.source.reads(self.scenario.slots(), &mut |port| {
             if known.insert(port) {
                 sources.push(port);
             }

@@ -58,7 +58,7 @@ fn claims_of(formula: &Formula, stop_tick: u64) -> Claims {
 fn take(claims: &Claims, memory: &mut ClaimsMemory, first_tick: u64, samples: &[[f64; 2]]) {
     for (tick, sample) in (first_tick..).zip(samples) {
         let outputs = Values { reals: sample.to_vec(), ..Values::default() };
-        let moment = Moment { outputs: &outputs, time_s: 0.0, rises: &[] };
+        let moment = Moment { outputs: &outputs, time_s: 0.0, rises: &[], shared: &[] };
         claims.take(memory, tick, &moment, &mut Stack::default(), |_, _| {});
     }
 }

@@ -93,6 +93,7 @@ impl Compiler<'_, '_> {
             E::Subtract(a, b) => self.pair(a, b, Binary::Subtract),
             E::Multiply(a, b) => self.pair(a, b, Binary::Multiply),
             E::Divide(a, b) => self.pair(a, b, Binary::Divide),
+            E::Shared(slot) => self.push(Operation::Shared(u32::try_from(*slot).unwrap_or(u32::MAX))),
             E::Call(function, arguments) => self.call(*function, arguments),
         }
     }

@@ -21,12 +21,12 @@ fn outputs() -> Values {
 }
 
 fn real(expression: &E) -> f64 {
-    let moment = Moment { outputs: &outputs(), time_s: 1.5, rises: &[false, true] };
+    let moment = Moment { outputs: &outputs(), time_s: 1.5, rises: &[false, true], shared: &[] };
     Program::compile_real(expression, &mut slot_of).real(&moment, &mut Stack::default())
 }
 
 fn holds(condition: &B) -> bool {
-    let moment = Moment { outputs: &outputs(), time_s: 1.5, rises: &[false, true] };
+    let moment = Moment { outputs: &outputs(), time_s: 1.5, rises: &[false, true], shared: &[] };
     Program::compile_condition(condition, &mut slot_of).holds(&moment, &mut Stack::default())
 }
 

@@ -91,6 +91,17 @@ impl Feed {
         self.reals.is_empty() && self.others.is_none()
     }
 
+    /// The programs that compute values.
+    pub(super) fn programs(&self) -> impl Iterator<Item = &Program> {
+        let computed = self.others.iter().flat_map(|others| &others.computed);
+        computed.filter_map(|computed| match &computed.value {
+            ComputedValue::Real(program) | ComputedValue::Integer(program) | ComputedValue::Boolean(program) => {
+                Some(program)
+            }
+            ComputedValue::ConstantInteger(_) | ComputedValue::ConstantText(_) | ComputedValue::Text(_) => None,
+        })
+    }
+
     /// Computes all values and stores them in the inputs.
     #[inline]
     pub fn bring(&self, moment: &Moment<'_>, stack: &mut Stack, inputs: &mut Values) {

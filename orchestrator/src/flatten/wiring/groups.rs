@@ -57,7 +57,7 @@ pub fn form(scenario: &Scenario, worker_of: &[usize]) -> (Vec<Group>, Vec<Range<
     let mut readers = vec![BTreeSet::new(); scenario.instances.len()];
     for connection in scenario.connections.iter().filter(|connection| connection.direct) {
         let target_every = scenario.instances[connection.target.instance].every;
-        connection.source.reads(&scenario.conditions, &mut |port| {
+        connection.source.reads(scenario.slots(), &mut |port| {
             let source_every = scenario.instances[port.instance].every;
             readers[port.instance].insert(source_every.max(target_every));
         });

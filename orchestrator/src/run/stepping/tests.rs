@@ -59,6 +59,7 @@ fn scenario(ticks: u64) -> Scenario {
         connections: vec![arrow(0, Drive::Real(computed), false), arrow(1, Drive::Copy(port(0, Y)), true)],
         events: vec![Event::at(20, Some(20), vec![enabled])],
         conditions: Vec::new(),
+        shared: Vec::new(),
         claims: claims(),
         columns: [(0, U), (0, Y), (1, Y), (0, ENABLED)].map(column).to_vec(),
     }

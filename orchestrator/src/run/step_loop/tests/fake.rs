@@ -123,6 +123,7 @@ impl Script {
             connections: Vec::new(),
             events: Vec::new(),
             conditions: Vec::new(),
+            shared: Vec::new(),
             claims: Vec::new(),
             columns: Vec::new(),
         };

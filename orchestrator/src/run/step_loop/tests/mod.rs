@@ -66,6 +66,32 @@ fn a_computed_connection_may_read_several_sources_and_time() {
     assert_eq!(ran.column(1), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 10.0]);
 }
 
+/// Three claims, both kinds of connections, their initial values and a `set` that use a value.
+fn uses(value: &RealExpression, shared: Vec<RealExpression>) -> fake::Ran {
+    let below = |limit| {
+        let value = RealExpression::Subtract(Box::new(number(limit)), Box::new(value.clone()));
+        dsl::scenario::Formula::Margin(Margin { value, strict: true })
+    };
+    let mut script = Script::new(vec![counter(1, 0), repeater(1, 1)]);
+    script.scenario.shared = shared;
+    let script = script.compute(value.clone(), port(1, U), true).compute(value.clone(), port(1, V), false);
+    let script = script.initially(InitialStep::Get { instance: 0, variables: vec![Y] });
+    let script = script.initially(InitialStep::Set { instance: 1, connections: vec![0, 1] });
+    let script = script.at(2, Some(4), port(1, P), value.clone());
+    script.always(below(5.0)).always(below(30.0)).always(below(100.0)).record(&[(1, U), (1, V), (1, P), (1, Y)]).run()
+}
+
+#[test]
+fn a_shared_value_is_the_same_as_one_written_out() {
+    let sum = || RealExpression::Add(Box::new(signal(0)), Box::new(TIME));
+    let twice = |of| RealExpression::Multiply(Box::new(of), Box::new(number(2.0)));
+    let written = uses(&twice(sum()), Vec::new());
+    let shared = uses(&RealExpression::Shared(1), vec![sum(), twice(RealExpression::Shared(0))]);
+    assert_eq!(shared.column(0), [2.0, 6.0, 10.0, 14.0, 18.0, 22.0, 22.0]);
+    assert_eq!(shared.column(1), [0.0, 4.0, 8.0, 12.0, 16.0, 20.0, 20.0]);
+    assert_eq!((shared.rows, shared.standings), (written.rows, written.standings));
+}
+
 #[test]
 fn a_window_overrides_the_connection_and_undoes_itself() {
     for direct in [false, true] {
