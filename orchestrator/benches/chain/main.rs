@@ -11,8 +11,7 @@
 #[expect(dead_code, reason = "shared with the other benchmarks")]
 mod peer;
 
-use orchestrator::flatten::claims::Claims;
-use orchestrator::flatten::wiring::Wiring;
+use orchestrator::flatten::wiring::Plan;
 use orchestrator::run::run_options::RunOptions;
 use orchestrator::run::step_loop::{Checkpoint, Observer, StepLoop};
 use orchestrator::run::worker::{InProcess, Instantiated, Worker};
@@ -51,13 +50,12 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn by_loop(unit: &Unit, units: usize, ticks: u64) -> Result<Duration, Box<dyn Error>> {
     let scenario = unit.linked(units, ticks, (1..units).map(|target| (target - 1, target)));
-    let wiring = Wiring::new(&scenario, &vec![&unit.description; units], &vec![0; units]);
-    let claims = Claims::new(&[], ticks, &mut |port| wiring.place(port));
+    let plan = Plan::new(&scenario, &vec![&unit.description; units], &vec![0; units]);
     let instances = unit.instances(units)?.into_iter().enumerate();
     let instances = instances.map(|(index, instance)| Instantiated { index, instance }).collect();
     let worker: Box<dyn Worker> =
-        Box::new(InProcess::new(wiring.step_ns, &wiring.groups, &wiring.ports, instances, unit.board.note(0)));
-    let mut run = StepLoop::new(wiring, claims, vec![worker], RunOptions::default(), BoardOnly { board: &unit.board });
+        Box::new(InProcess::new(plan.step_ns, &plan.groups, &plan.ports, instances, unit.board.note(0)));
+    let mut run = StepLoop::new(plan, vec![worker], RunOptions::default(), BoardOnly { board: &unit.board });
     let begun = Instant::now();
     let finish = run.run(None);
     let took = begun.elapsed();

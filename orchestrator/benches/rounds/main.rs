@@ -14,7 +14,7 @@ mod peer;
 
 use echo::Echoes;
 use orchestrator::bus::WorkerSet;
-use orchestrator::flatten::wiring::Wiring;
+use orchestrator::flatten::wiring::Plan;
 use orchestrator::run::message::MessageSink;
 use orchestrator::run::run_options::RunOptions;
 use orchestrator::run::run_spec::{RunSpec, UnitSpec};
@@ -70,7 +70,7 @@ fn rows(table: &Table, ports: usize, workers: usize, beside_raw: f64) -> Result<
 /// Workers that have started.
 struct Rounds<'a> {
     workers: Vec<Box<dyn Worker + 'a>>,
-    wiring: Wiring,
+    plan: Plan,
     tick: u64,
     _home: tempfile::TempDir,
 }
@@ -79,25 +79,25 @@ impl<'a> Rounds<'a> {
     fn begin(spec: &'a RunSpec, unit: &Unit, count: usize) -> Result<Self, Box<dyn Error>> {
         let home = tempfile::tempdir()?;
         let worker_of: Vec<_> = (0..count).collect();
-        let wiring = Wiring::new(&spec.scenario, &vec![&unit.description; count], &worker_of);
+        let plan = Plan::new(&spec.scenario, &vec![&unit.description; count], &worker_of);
         let program = Path::new(env!("CARGO_BIN_EXE_lockstep"));
         let workers = WorkerSet::start(program, home.path(), count, Some(Duration::from_secs(10)))?;
         let sink: MessageSink = Arc::new(|_| {});
-        let mut workers = workers.initialize(spec, &wiring, &sink).map_err(to_error)?;
-        let mut outputs = wiring.outputs.clone();
+        let mut workers = workers.initialize(spec, &plan, &sink).map_err(to_error)?;
+        let mut outputs = plan.outputs.clone();
         for worker in &mut workers {
             worker.start(&mut outputs).map_err(|lost| to_error(lost.failure))?;
         }
-        Ok(Self { workers, wiring, tick: 0, _home: home })
+        Ok(Self { workers, plan, tick: 0, _home: home })
     }
 
     fn block(&mut self) -> Result<Duration, Box<dyn Error>> {
-        let mut outputs = self.wiring.outputs.clone();
+        let mut outputs = self.plan.outputs.clone();
         let begun = Instant::now();
         for tick in self.tick..self.tick + ROUNDS {
             let mut tickets = Vec::with_capacity(self.workers.len());
             for (group, worker) in self.workers.iter_mut().enumerate() {
-                let order = Order { group, tick, inputs: &self.wiring.inputs };
+                let order = Order { group, tick, inputs: &self.plan.inputs };
                 tickets.push(worker.order(&order).map_err(|lost| to_error(lost.failure))?);
             }
             for (worker, ticket) in self.workers.iter_mut().zip(tickets) {

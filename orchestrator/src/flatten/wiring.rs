@@ -16,6 +16,7 @@ pub use groups::Group;
 pub use row_layout::RowLayout;
 pub use slot_table::{InstancePorts, Ports, VariableRange, VariableSlot};
 
+use crate::flatten::claims::Claims;
 use crate::flatten::expression::Program;
 use crate::flatten::values::{Slot, Values, start_value};
 use dsl::scenario::{InitialStep, Port, Scenario};
@@ -27,7 +28,7 @@ use unit::time::seconds;
 
 /// A scenario, ready to step.
 #[derive(Debug)]
-pub struct Wiring {
+pub struct Plan {
     /// The communication step in nanoseconds.
     pub step_ns: u64,
     /// The tick at which the run ends.
@@ -54,6 +55,8 @@ pub struct Wiring {
     pub shared: Vec<Program>,
     /// For each wave, those of them that its `=>` connections use.
     pub shared_of_wave: Vec<Vec<usize>>,
+    /// The claims.
+    pub claims: Claims,
     /// Where the values of a row come from.
     pub row: RowLayout,
     /// The inputs before the first step: presets and declared start values.
@@ -110,7 +113,7 @@ pub enum InitialCall {
     },
 }
 
-impl Wiring {
+impl Plan {
     /// Flattens a scenario. For each instance, `descriptions` holds its unit's description and `worker_of` the index of
     /// the worker that holds it.
     #[must_use]
@@ -155,6 +158,7 @@ impl Wiring {
         Self {
             step_ns: scenario.step_ns,
             stop_tick: scenario.stop_tick,
+            claims: Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| table.read(port)),
             row: RowLayout::new(&scenario.columns, &table),
             outputs: table.outputs(),
             names: names(scenario, descriptions, &ports),

@@ -1,95 +1,45 @@
 //! The loop: gather, judge, events, drive, step, record, tick for tick.
 //!
-//! It works on flat arrays and allocates, hashes, formats and waits for nothing but its workers. Next on the walk: the
-//! workers' units, `fmus/<unit>/src/lib.rs`, and back through `claims/` and `trace/`.
+//! It reads a plan, changes a state, and allocates, hashes, formats and waits for nothing but its workers. Next on the walk:
+//! the workers' units, `fmus/<unit>/src/lib.rs`, and back through `flatten/claims/` and `orchestrator/results`.
 
 mod checkpoint;
 mod gather;
 mod initialise;
 mod observer;
+mod state;
 #[cfg(test)]
 mod tests;
 
 pub use checkpoint::Checkpoint;
 pub use observer::Observer;
 
-use crate::flatten::claims::{Claims, ClaimsMemory, Completeness};
+use crate::flatten::claims::Completeness;
 use crate::flatten::expression::{Moment, Stack, evaluate_shared};
-use crate::flatten::values::Values;
-use crate::flatten::wiring::{OverrideState, Wave, Wiring};
+use crate::flatten::wiring::{Plan, Wave};
 use crate::run::message::{Finish, Reason};
 use crate::run::run_options::RunOptions;
-use crate::run::worker::{Order, Shutdown, Terminated, Worker};
+use crate::run::worker::{Order, Shutdown, Worker};
 use gather::UnderWay;
+use state::{CarriedState, State};
 use std::ops::Range;
 use unit::failure::Failure;
 
 /// A run of a scenario.
 pub struct StepLoop<'a, W> {
-    wiring: Wiring,
+    plan: Plan,
+    state: State,
     workers: Vec<Box<dyn Worker + 'a>>,
-    claims: Claims,
-    claims_memory: ClaimsMemory,
     options: RunOptions,
     observer: W,
-    /// The outputs that `->`, claims and rows read: those of steps that have ended by this tick.
-    visible: Values,
-    /// The outputs that `=>` reads: those of all steps that were awaited.
-    latest: Values,
-    /// The inputs that were last passed to a step.
-    inputs: Values,
-    /// By group, the order whose result is not yet due, if any.
-    under_way: Vec<Option<UnderWay>>,
-    /// Results that a checkpoint awaited before they are due.
-    early: Values,
-    /// Instances that have terminated, with the tick at which their step ends.
-    terminated: Vec<(u64, Terminated)>,
-    /// Whether each condition of `rises` held at the last sample, and whether it rises now.
-    held: Vec<bool>,
-    rises: Vec<bool>,
     /// The stack of all programs.
     stack: Stack,
-    /// The shared expressions, of the visible and of the latest outputs.
-    visible_shared: Vec<f64>,
-    latest_shared: Vec<f64>,
-    next_change: usize,
-    /// Which `set` of each override applies.
-    overrides: Vec<OverrideState>,
-    /// The number of samples that the claims took.
-    samples: u64,
 }
 
 impl<'a, W: Observer> StepLoop<'a, W> {
     /// A run before initialization.
-    pub fn new(
-        wiring: Wiring,
-        claims: Claims,
-        workers: Vec<Box<dyn Worker + 'a>>,
-        options: RunOptions,
-        observer: W,
-    ) -> Self {
-        Self {
-            visible: wiring.outputs.clone(),
-            latest: wiring.outputs.clone(),
-            inputs: wiring.inputs.clone(),
-            under_way: wiring.groups.iter().map(|_| None).collect(),
-            early: wiring.outputs.clone(),
-            terminated: Vec::new(),
-            held: vec![false; wiring.rises.len()],
-            rises: vec![false; wiring.rises.len()],
-            stack: Stack::default(),
-            visible_shared: vec![0.0; wiring.shared.len()],
-            latest_shared: vec![0.0; wiring.shared.len()],
-            next_change: 0,
-            overrides: wiring.overrides.states(),
-            samples: 0,
-            claims_memory: claims.memory(),
-            wiring,
-            workers,
-            claims,
-            options,
-            observer,
-        }
+    pub fn new(plan: Plan, workers: Vec<Box<dyn Worker + 'a>>, options: RunOptions, observer: W) -> Self {
+        Self { state: State::new(&plan), plan, workers, options, observer, stack: Stack::default() }
     }
 
     /// Runs to the end, whatever ends it, and reports the final standing of each claim to the observer. With a checkpoint
@@ -104,17 +54,17 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             Ok(Finish { reason: Reason::StopTime | Reason::Terminated(_), .. }) => Completeness::Complete,
             _ => Completeness::CutOff,
         };
-        let (observer, last_sample) = (&mut self.observer, self.samples.checked_sub(1));
-        let memory = &mut self.claims_memory;
-        self.claims.end(memory, last_sample, completeness, |claim, standing| observer.claim(claim, standing));
+        let (observer, last_sample) = (&mut self.observer, self.state.samples.checked_sub(1));
+        let memory = &mut self.state.carried.claims;
+        self.plan.claims.end(memory, last_sample, completeness, |claim, standing| observer.claim(claim, standing));
         ended
     }
 
     fn ticks(&mut self) -> Result<Finish, Failure> {
         // One sample is taken at each tick.
-        let mut tick = self.samples;
+        let mut tick = self.state.samples;
         loop {
-            let time_s = self.wiring.seconds(tick);
+            let time_s = self.plan.seconds(tick);
             self.observer.reached(tick);
             if let Some(finish) = self.gather(tick)? {
                 return Ok(finish);
@@ -126,7 +76,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             }
             self.take_events(tick);
             self.drive(tick, time_s);
-            for wave in 0..self.wiring.waves.len() {
+            for wave in 0..self.plan.waves.len() {
                 if let Some(finish) = self.step(wave, tick, time_s)? {
                     self.record(tick);
                     return Ok(finish);
@@ -142,79 +92,81 @@ impl<'a, W: Observer> StepLoop<'a, W> {
 
     /// Claims take the sample of this tick.
     fn judge(&mut self, tick: u64, time_s: f64) {
-        let Self { wiring, visible, visible_shared, held, rises, stack, claims_memory, observer, .. } = self;
-        evaluate_shared(&wiring.shared, 0..wiring.shared.len(), (visible, time_s), stack, visible_shared);
-        for (slot, condition) in wiring.rises.iter().enumerate() {
+        let Self { plan, state, stack, observer, .. } = self;
+        let State { visible, visible_shared, carried: CarriedState { held, rises, claims, .. }, .. } = state;
+        evaluate_shared(&plan.shared, 0..plan.shared.len(), (visible, time_s), stack, visible_shared);
+        for (slot, condition) in plan.rises.iter().enumerate() {
             let holds = condition.holds(&Moment { outputs: visible, time_s, rises, shared: visible_shared }, stack);
             rises[slot] = holds && !std::mem::replace(&mut held[slot], holds);
         }
         let moment = Moment { outputs: visible, time_s, rises, shared: visible_shared };
-        self.claims.take(claims_memory, tick, &moment, stack, |claim, standing| observer.claim(claim, standing));
-        self.samples = tick + 1;
+        plan.claims.take(claims, tick, &moment, stack, |claim, standing| observer.claim(claim, standing));
+        state.samples = tick + 1;
     }
 
     fn reason_to_end(&self, tick: u64) -> Option<Reason> {
-        if tick >= self.wiring.stop_tick {
+        if tick >= self.plan.stop_tick {
             return Some(Reason::StopTime);
         }
-        let due = self.terminated.iter().filter(|(due_tick, _)| *due_tick <= tick);
+        let due = self.state.carried.terminated.iter().filter(|(due_tick, _)| *due_tick <= tick);
         if let Some(first) = due.map(|(_, unit)| unit.instance).min() {
             return Some(Reason::Terminated(first));
         }
-        let lost = self.claims_memory.lost().filter(|_| self.options.fail_fast).map(Reason::ClaimLost);
+        let lost = self.state.carried.claims.lost().filter(|_| self.options.fail_fast).map(Reason::ClaimLost);
         lost.or_else(|| self.observer.stop_requested().then_some(Reason::Interrupted))
     }
 
     /// Windows close, then open.
     #[inline]
     fn take_events(&mut self, tick: u64) {
-        while let Some(change) =
-            self.wiring.overrides.changes.get(self.next_change).filter(|change| change.tick <= tick)
-        {
-            self.overrides[change.target].take(change.effect);
-            self.next_change += 1;
+        let Self { plan, state, .. } = self;
+        while let Some(change) = plan.overrides.changes.get(state.changes).filter(|change| change.tick <= tick) {
+            state.carried.overrides[change.target].take(change.effect);
+            state.changes += 1;
         }
     }
 
     /// `->` brings the visible outputs to the groups that step now.
     fn drive(&mut self, tick: u64, time_s: f64) {
-        let moment = Moment { outputs: &self.visible, time_s, rises: &self.rises, shared: &self.visible_shared };
-        for (group, feed) in self.wiring.groups.iter().zip(&self.wiring.delayed) {
+        let Self { plan, state, stack, .. } = self;
+        let State { visible, visible_shared, inputs, carried, .. } = state;
+        let moment = Moment { outputs: visible, time_s, rises: &carried.rises, shared: visible_shared };
+        for (group, feed) in plan.groups.iter().zip(&plan.delayed) {
             if group.is_due(tick) {
-                feed.bring(&moment, &mut self.stack, &mut self.inputs);
+                feed.bring(&moment, stack, inputs);
             }
         }
     }
 
     /// A wave: all orders go out before the first reply is awaited. A finish means that this tick is the last.
     fn step(&mut self, wave: usize, tick: u64, time_s: f64) -> Result<Option<Finish>, Failure> {
-        let Wave { groups, is_fed, is_read } = self.wiring.waves[wave].clone();
+        let Wave { groups, is_fed, is_read } = self.plan.waves[wave].clone();
         if is_fed {
-            let slots = self.wiring.shared_of_wave[wave].iter().copied();
-            let now = (&self.latest, time_s);
-            evaluate_shared(&self.wiring.shared, slots, now, &mut self.stack, &mut self.latest_shared);
-            self.feed(groups.clone(), tick, time_s);
+            self.feed(wave, groups.clone(), tick, time_s);
         }
         for index in groups.clone() {
-            let group = &self.wiring.groups[index];
+            let group = &self.plan.groups[index];
             if group.is_due(tick) {
-                let order = Order { group: index, tick, inputs: &self.inputs };
+                let order = Order { group: index, tick, inputs: &self.state.inputs };
                 let ticket = self.workers[group.worker].order(&order).map_err(|lost| lost.failure)?;
-                self.under_way[index] = Some(UnderWay::Ordered(ticket));
+                self.state.under_way[index] = Some(UnderWay::Ordered(ticket));
             }
         }
         if is_read { self.await_direct(groups, tick) } else { Ok(None) }
     }
 
     /// `=>` and `set` drive the inputs of the groups that step in this wave.
-    fn feed(&mut self, groups: Range<usize>, tick: u64, time_s: f64) {
-        let latest = Moment { outputs: &self.latest, time_s, rises: &self.rises, shared: &self.latest_shared };
-        let visible = Moment { outputs: &self.visible, time_s, rises: &self.rises, shared: &self.visible_shared };
-        for group in groups.filter(|&group| self.wiring.groups[group].is_due(tick)) {
-            self.wiring.direct[group].bring(&latest, &mut self.stack, &mut self.inputs);
-            for &target in &self.wiring.overrides.of_group[group] {
-                let (target, state) = (&self.wiring.overrides.all[target], self.overrides[target]);
-                target.bring(state, &visible, &mut self.stack, &mut self.inputs);
+    fn feed(&mut self, wave: usize, groups: Range<usize>, tick: u64, time_s: f64) {
+        let Self { plan, state, stack, .. } = self;
+        let State { visible, visible_shared, latest, latest_shared, inputs, carried, .. } = state;
+        let (CarriedState { rises, overrides, .. }, slots) = (carried, plan.shared_of_wave[wave].iter().copied());
+        evaluate_shared(&plan.shared, slots, (latest, time_s), stack, latest_shared);
+        let latest = Moment { outputs: latest, time_s, rises, shared: latest_shared };
+        let visible = Moment { outputs: visible, time_s, rises, shared: visible_shared };
+        for group in groups.filter(|&group| plan.groups[group].is_due(tick)) {
+            plan.direct[group].bring(&latest, stack, inputs);
+            for &target in &plan.overrides.of_group[group] {
+                plan.overrides.all[target].bring(overrides[target], &visible, stack, inputs);
             }
         }
     }
@@ -222,8 +174,8 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     /// Hands over the row of this tick.
     fn record(&mut self, tick: u64) {
         if self.options.hands_over_rows() {
-            let Self { wiring, visible, inputs, observer, .. } = self;
-            observer.row(tick, |row| wiring.row.fill(visible, inputs, &row));
+            let Self { plan, state, observer, .. } = self;
+            observer.row(tick, |row| plan.row.fill(&state.visible, &state.inputs, &row));
         }
     }
 
@@ -232,7 +184,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     /// # Errors
     /// The first in the script's order that refused.
     pub fn close(&mut self, shutdown: Shutdown) -> Result<(), Failure> {
-        let tick = self.samples.saturating_sub(1);
+        let tick = self.state.samples.saturating_sub(1);
         let lost = self.workers.iter_mut().filter_map(|worker| worker.finish(tick, shutdown).err());
         let lost: Vec<_> = lost.collect();
         lost.into_iter().min_by_key(|lost| lost.instance).map_or(Ok(()), |lost| Err(lost.failure))

@@ -8,8 +8,7 @@ pub(crate) mod tests;
 use super::board_observer::{self, BoardObserver};
 use super::instantiate::{Instantiator, NewInstance, enter_initialization};
 use super::pace::Pace;
-use crate::flatten::claims::Claims;
-use crate::flatten::wiring::Wiring;
+use crate::flatten::wiring::Plan;
 use crate::run::message::{Finish, Message};
 use crate::run::run_spec::RunSpec;
 use crate::run::step_loop::StepLoop;
@@ -21,10 +20,10 @@ use unit::failure::Failure;
 /// Runs a specification with all instances in this process, see [`step_run_with`].
 pub fn step_run(spec: &RunSpec, board: &Arc<Board>) {
     let mut made = Vec::new();
-    step_run_with(spec, board, &vec![0; spec.scenario.instances.len()], |wiring| {
+    step_run_with(spec, board, &vec![0; spec.scenario.instances.len()], |plan| {
         instantiate_all(spec, board, &mut made)?;
         let instances = std::mem::take(&mut made);
-        Ok(vec![Box::new(InProcess::new(wiring.step_ns, &wiring.groups, &wiring.ports, instances, board.note(0)))])
+        Ok(vec![Box::new(InProcess::new(plan.step_ns, &plan.groups, &plan.ports, instances, board.note(0)))])
     });
 }
 
@@ -34,14 +33,14 @@ pub fn step_run_with<'a>(
     spec: &'a RunSpec,
     board: &'a Board,
     worker_of: &[usize],
-    make_workers: impl FnOnce(&Wiring) -> Result<Vec<Box<dyn Worker + 'a>>, Failure>,
+    make_workers: impl FnOnce(&Plan) -> Result<Vec<Box<dyn Worker + 'a>>, Failure>,
 ) {
-    let wiring = wire(spec, worker_of);
-    let workers = match make_workers(&wiring) {
+    let plan = plan_of(spec, worker_of);
+    let workers = match make_workers(&plan) {
         Ok(workers) => workers,
         Err(failure) => return report_end(board, Err(failure)),
     };
-    let mut run = step_loop(spec, board, wiring, workers);
+    let mut run = step_loop(spec, board, plan, workers);
     match run.run(spec.from.as_ref()) {
         Ok(finish) => report_end(board, run.close(Shutdown::Orderly).map(|()| finish)),
         Err(failure) => {
@@ -70,23 +69,21 @@ fn instantiate_all(spec: &RunSpec, board: &Arc<Board>, made: &mut Vec<Instantiat
     enter_initialization(made, &note)
 }
 
-fn wire(spec: &RunSpec, worker_of: &[usize]) -> Wiring {
+fn plan_of(spec: &RunSpec, worker_of: &[usize]) -> Plan {
     let descriptions: Vec<_> =
         (0..spec.scenario.instances.len()).map(|instance| &spec.unit(instance).description).collect();
-    Wiring::new(&spec.scenario, &descriptions, worker_of)
+    Plan::new(&spec.scenario, &descriptions, worker_of)
 }
 
 fn step_loop<'a>(
     spec: &'a RunSpec,
     board: &'a Board,
-    wiring: Wiring,
+    plan: Plan,
     workers: Vec<Box<dyn Worker + 'a>>,
 ) -> StepLoop<'a, BoardObserver<'a>> {
-    let scenario = &spec.scenario;
-    let claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
-    let pace = spec.options.pace.map(|pace| Pace::new(pace, scenario.step_ns));
+    let pace = spec.options.pace.map(|pace| Pace::new(pace, spec.scenario.step_ns));
     let observer = BoardObserver::new(board, pace, &spec.saves);
-    StepLoop::new(wiring, claims, workers, spec.options.clone(), observer)
+    StepLoop::new(plan, workers, spec.options.clone(), observer)
 }
 
 fn report_end(board: &Board, end: Result<Finish, Failure>) {

@@ -47,8 +47,8 @@ impl Isolated {
         let (processes, board) = (workers.processes(), Arc::clone(board));
         let children = Arc::clone(&processes);
         let step = move || {
-            step_run_with(&spec, &board, &worker_of, |wiring| {
-                workers.initialize(&spec, wiring, &board_observer::sink(&board))
+            step_run_with(&spec, &board, &worker_of, |plan| {
+                workers.initialize(&spec, plan, &board_observer::sink(&board))
             });
             children.await_exit(EXIT_DEADLINE);
         };

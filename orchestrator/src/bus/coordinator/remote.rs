@@ -20,7 +20,7 @@ use crate::bus::wire::open_request::{
 use crate::bus::wire::{Header, Kind, Outgoing};
 use crate::bus::worker::Address;
 use crate::flatten::values::Values;
-use crate::flatten::wiring::{InstancePorts, VariableSlot, Wiring};
+use crate::flatten::wiring::{InstancePorts, Plan, VariableSlot};
 use crate::host::supervise::failure;
 use crate::run::message::MessageSink;
 use crate::run::run_spec::RunSpec;
@@ -84,26 +84,26 @@ impl std::fmt::Debug for Remote<'_> {
 }
 
 impl<'a> Remote<'a> {
-    /// Connects to a worker, which is to hold the groups that have its number in the wiring.
+    /// Connects to a worker, which is to hold the groups that have its number in the plan.
     ///
     /// # Errors
     /// Its process ended or did not listen in time.
     pub fn connect(
         spec: &'a RunSpec,
-        wiring: &Wiring,
+        plan: &Plan,
         handle: WorkerHandle,
         sink: MessageSink,
         run: &str,
     ) -> Result<Self, Failure> {
         let number = handle.address.number;
-        let of_worker = wiring.groups.iter().enumerate().filter(|(_, group)| group.worker == number);
+        let of_worker = plan.groups.iter().enumerate().filter(|(_, group)| group.worker == number);
         let groups = of_worker.zip(0..).map(|((index, group), local)| {
             (index, (local, GroupSpec { every: group.every, instances: group.instances.clone() }))
         });
         let groups: BTreeMap<_, _> = groups.collect();
         let mut held: Vec<usize> = groups.values().flat_map(|(_, group)| group.instances.clone()).collect();
         held.sort_unstable();
-        let ports: Vec<_> = held.iter().map(|&index| (index, wiring.ports[index].clone())).collect();
+        let ports: Vec<_> = held.iter().map(|&index| (index, plan.ports[index].clone())).collect();
         let request = request(spec, &ports, groups.values().map(|(_, group)| group.clone()).collect());
         let mut remote = Self {
             spec,
@@ -142,7 +142,7 @@ impl<'a> Remote<'a> {
             let spec = self.spec.units.iter().find(|spec| spec.name == self.request.units[unit].name);
             spec.map(|spec| &spec.description)
         });
-        self.schema = schema.unwrap_or_else(|| unreachable!("a plan's units have all variables that its wiring has"));
+        self.schema = schema.unwrap_or_else(|| unreachable!("a plan's units have all variables that its plan has"));
         let request = bytes(&self.request);
         self.send_order(Kind::Open, 0, &request)
     }

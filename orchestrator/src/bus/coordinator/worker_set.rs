@@ -6,7 +6,7 @@ use super::worker_processes::WorkerProcesses;
 use crate::bus::link::endpoint;
 use crate::bus::link::run_name;
 use crate::bus::worker::Address;
-use crate::flatten::wiring::Wiring;
+use crate::flatten::wiring::Plan;
 use crate::run::message::MessageSink;
 use crate::run::run_spec::RunSpec;
 use crate::run::worker::{Lost, Shutdown, Worker};
@@ -55,7 +55,7 @@ impl WorkerSet {
     }
 
     /// Brings all workers into initialization mode. Each order goes to all workers before the first reply is awaited, so
-    /// that units load at the same time. A worker holds the instances that have its number in the wiring; `sink` takes the
+    /// that units load at the same time. A worker holds the instances that have its number in the plan; `sink` takes the
     /// log messages of units.
     ///
     /// # Errors
@@ -63,14 +63,14 @@ impl WorkerSet {
     pub fn initialize<'a>(
         self,
         spec: &'a RunSpec,
-        wiring: &Wiring,
+        plan: &Plan,
         sink: &MessageSink,
     ) -> Result<Vec<Box<dyn Worker + 'a>>, Failure> {
         let run = run_name();
         let connected: Vec<_> = thread::scope(|scope| {
             let connect = |handle| {
                 let run = &run;
-                scope.spawn(move || Remote::connect(spec, wiring, handle, Arc::clone(sink), run))
+                scope.spawn(move || Remote::connect(spec, plan, handle, Arc::clone(sink), run))
             };
             let threads: Vec<_> = self.handles.into_iter().map(connect).collect();
             let join = |thread: thread::ScopedJoinHandle<'_, _>| {

@@ -3,10 +3,9 @@
 //! Everything is kept by instance in the script's order and by port in the ports's order, never by place or group, so that
 //! a run can continue in other workers than it was saved in.
 
-use super::{Observer, StepLoop, UnderWay};
-use crate::flatten::claims::{Claims, ClaimsMemory};
+use super::{CarriedState, Observer, StepLoop, UnderWay};
 use crate::flatten::values::Values;
-use crate::flatten::wiring::{InstancePorts, OverrideState, Wiring};
+use crate::flatten::wiring::{Group, InstancePorts, Plan};
 use crate::run::worker::{Reply, Terminated};
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;
@@ -21,14 +20,7 @@ pub struct Checkpoint {
     pub tick: u64,
     /// The instances in the script's order.
     instances: Vec<SavedInstance>,
-    /// Units that are done for good, with the tick at which that counts.
-    terminated: Vec<(u64, Terminated)>,
-    /// Whether each condition of `rises` held at the last sample, and whether it rose then.
-    held: Vec<bool>,
-    rises: Vec<bool>,
-    /// Which `set` of each override applies.
-    overrides: Vec<OverrideState>,
-    claims: ClaimsMemory,
+    carried: CarriedState,
 }
 
 /// One instance.
@@ -78,28 +70,20 @@ impl Checkpoint {
         if self.tick >= scenario.stop_tick || self.instances.len() != scenario.instances.len() {
             return false;
         }
-        let wiring = Wiring::new(scenario, descriptions, &vec![0; scenario.instances.len()]);
-        let exists = |unit: &Terminated| unit.instance < wiring.ports.len();
+        let plan = Plan::new(scenario, descriptions, &vec![0; scenario.instances.len()]);
         let instance_fits = |instance: usize| {
             let early = &self.instances[instance].early;
             let itself = |result: &EarlyResult| result.terminated.is_none_or(|unit| unit.instance == instance);
-            self.instances[instance].fits(&wiring.ports[instance]) && early.as_ref().is_none_or(itself)
+            self.instances[instance].fits(&plan.ports[instance]) && early.as_ref().is_none_or(itself)
         };
         let is_under_way = |instance: &usize| self.instances[*instance].early.is_some();
-        let claims = Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| wiring.place(port));
-        (0..wiring.ports.len()).all(instance_fits)
-            && wiring.groups.iter().all(|group| {
-                group
-                    .instances
-                    .iter()
-                    .map(is_under_way)
-                    .all(|under_way| under_way == group.is_under_way_after(self.tick))
-            })
-            && self.terminated.iter().all(|(_, unit)| exists(unit))
-            && [self.held.len(), self.rises.len()] == [wiring.rises.len(); 2]
-            && self.overrides.len() == wiring.overrides.all.len()
-            && wiring.overrides.all.iter().zip(&self.overrides).all(|(one, state)| one.fits(state))
-            && claims.fits(&self.claims, self.tick + 1)
+        let group_fits = |group: &Group| {
+            let under_way = group.is_under_way_after(self.tick);
+            group.instances.iter().all(|instance| is_under_way(instance) == under_way)
+        };
+        (0..plan.ports.len()).all(instance_fits)
+            && plan.groups.iter().all(group_fits)
+            && self.carried.fits(&plan, self.tick + 1)
     }
 }
 
@@ -128,46 +112,43 @@ impl<W: Observer> StepLoop<'_, W> {
         }
         states.sort_by_key(|(instance, _)| *instance);
         assert!(
-            states.iter().map(|(instance, _)| *instance).eq(0..self.wiring.ports.len()),
+            states.iter().map(|(instance, _)| *instance).eq(0..self.plan.ports.len()),
             "each instance is saved once"
         );
         let states = states.into_iter();
         let checkpoint = Checkpoint {
             tick,
             instances: states.map(|(instance, state)| self.saved_instance(instance, state)).collect(),
-            terminated: self.terminated.clone(),
-            held: self.held.clone(),
-            rises: self.rises.clone(),
-            overrides: self.overrides.clone(),
-            claims: self.claims.memory(),
+            carried: self.state.carried.clone(),
         };
-        self.observer.checkpoint(&checkpoint).map_err(|cause| Failure::between_calls(self.wiring.seconds(tick), cause))
+        self.observer.checkpoint(&checkpoint).map_err(|cause| Failure::between_calls(self.plan.seconds(tick), cause))
     }
 
     /// Awaits all orders that are under way, aside from where results are seen; false if one is lost.
     fn await_early(&mut self, tick: u64) -> bool {
-        for (group, order) in self.wiring.groups.iter().zip(&mut self.under_way) {
+        for (group, order) in self.plan.groups.iter().zip(&mut self.state.under_way) {
             if let Some(UnderWay::Ordered(ticket)) = *order {
-                let result = self.workers[group.worker].reply(ticket, group.due_after(tick), &mut self.early);
+                let result = self.workers[group.worker].reply(ticket, group.due_after(tick), &mut self.state.early);
                 *order = Some(UnderWay::Early(Box::new(result)));
             }
         }
-        self.under_way.iter().flatten().all(|order| matches!(order, UnderWay::Early(result) if result.is_ok()))
+        self.state.under_way.iter().flatten().all(|order| matches!(order, UnderWay::Early(result) if result.is_ok()))
     }
 
     fn saved_instance(&self, instance: usize, state: Vec<u8>) -> SavedInstance {
-        let InstancePorts { inputs, outputs, .. } = &self.wiring.ports[instance];
-        let of_group = |(group, _): &(&crate::flatten::wiring::Group, _)| group.instances.contains(&instance);
-        let order = self.wiring.groups.iter().zip(&self.under_way).find(of_group).and_then(|(_, order)| order.as_ref());
+        let InstancePorts { inputs, outputs, .. } = &self.plan.ports[instance];
+        let of_group = |(group, _): &(&Group, _)| group.instances.contains(&instance);
+        let order =
+            self.plan.groups.iter().zip(&self.state.under_way).find(of_group).and_then(|(_, order)| order.as_ref());
         let early = order.map(|order| EarlyResult {
-            outputs: outputs.values(&self.early),
+            outputs: outputs.values(&self.state.early),
             terminated: order.terminated().iter().copied().find(|unit| unit.instance == instance),
         });
         SavedInstance {
             state,
-            inputs: inputs.values(&self.inputs),
-            visible: outputs.values(&self.visible),
-            latest: outputs.values(&self.latest),
+            inputs: inputs.values(&self.state.inputs),
+            visible: outputs.values(&self.state.visible),
+            latest: outputs.values(&self.state.latest),
             early,
         }
     }
@@ -182,35 +163,33 @@ impl<W: Observer> StepLoop<'_, W> {
     pub(super) fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), Failure> {
         let Checkpoint { tick, instances, .. } = checkpoint;
         for (index, worker) in self.workers.iter_mut().enumerate() {
-            let groups = self.wiring.groups.iter().filter(|group| group.worker == index);
+            let groups = self.plan.groups.iter().filter(|group| group.worker == index);
             let mut held: Vec<_> = groups.flat_map(|group| &group.instances).copied().collect();
             held.sort_unstable();
             let states: Vec<_> = held.into_iter().map(|instance| (instance, &*instances[instance].state)).collect();
             worker.restore(*tick, &states).map_err(|lost| lost.failure)?;
         }
-        for (saved, ports) in instances.iter().zip(&self.wiring.ports) {
-            ports.inputs.store(&saved.inputs, &mut self.inputs);
-            ports.outputs.store(&saved.visible, &mut self.visible);
-            ports.outputs.store(&saved.latest, &mut self.latest);
+        let Self { plan, state, observer, .. } = self;
+        for (saved, ports) in instances.iter().zip(&plan.ports) {
+            ports.inputs.store(&saved.inputs, &mut state.inputs);
+            ports.outputs.store(&saved.visible, &mut state.visible);
+            ports.outputs.store(&saved.latest, &mut state.latest);
             if let Some(early) = &saved.early {
-                ports.outputs.store(&early.outputs, &mut self.early);
+                ports.outputs.store(&early.outputs, &mut state.early);
             }
         }
-        for (group, order) in self.wiring.groups.iter().zip(&mut self.under_way) {
+        for (group, order) in plan.groups.iter().zip(&mut state.under_way) {
             let results = group.instances.iter().filter_map(|&instance| instances[instance].early.as_ref());
             let terminated = results.filter_map(|result| result.terminated).collect();
             *order = group.is_under_way_after(*tick).then(|| UnderWay::Early(Box::new(Ok(Reply { terminated }))));
         }
-        self.terminated.clone_from(&checkpoint.terminated);
-        self.held.clone_from(&checkpoint.held);
-        self.rises.clone_from(&checkpoint.rises);
-        self.overrides.clone_from(&checkpoint.overrides);
-        self.next_change = self.wiring.overrides.changes.partition_point(|change| change.tick <= *tick);
-        self.samples = tick + 1;
-        assert!(self.claims.fits(&checkpoint.claims, self.samples), "a checkpoint fits its claims");
-        self.claims_memory.clone_from(&checkpoint.claims);
-        self.claims.reserve(&mut self.claims_memory);
-        self.claims.standings(&self.claims_memory).for_each(|(claim, standing)| self.observer.claim(claim, standing));
+        state.changes = plan.overrides.changes.partition_point(|change| change.tick <= *tick);
+        state.samples = tick + 1;
+        assert!(checkpoint.carried.fits(plan, state.samples), "a checkpoint fits its run");
+        state.carried.clone_from(&checkpoint.carried);
+        plan.claims.reserve(&mut state.carried.claims);
+        let standings = plan.claims.standings(&state.carried.claims);
+        standings.for_each(|(claim, standing)| observer.claim(claim, standing));
         Ok(())
     }
 }

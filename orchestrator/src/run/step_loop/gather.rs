@@ -1,6 +1,6 @@
 //! Takes replies: when each is awaited, where its values are stored, and how a run ends by one.
 
-use super::{Observer, StepLoop};
+use super::{CarriedState, Observer, State, StepLoop};
 use crate::flatten::values::Values;
 use crate::flatten::wiring::Group;
 use crate::run::message::{Finish, Reason};
@@ -85,9 +85,10 @@ impl<W: Observer> StepLoop<'_, W> {
         if tick == 0 {
             return Ok(None);
         }
-        let Self { wiring, workers, under_way, visible, latest, early, terminated, .. } = self;
+        let Self { plan, workers, state, .. } = self;
+        let State { under_way, visible, latest, early, carried: CarriedState { terminated, .. }, .. } = state;
         let mut taken = Taken::default();
-        for (group, order) in wiring.groups.iter().zip(under_way).filter(|(group, _)| group.is_due(tick)) {
+        for (group, order) in plan.groups.iter().zip(under_way).filter(|(group, _)| group.is_due(tick)) {
             let through_latest = !group.read_every.is_empty();
             if let Some(order) = order.take() {
                 let outputs = if through_latest { &mut *latest } else { &mut *visible };
@@ -107,9 +108,10 @@ impl<W: Observer> StepLoop<'_, W> {
     /// # Errors
     /// As for [`Self::gather`].
     pub(super) fn await_direct(&mut self, groups: Range<usize>, tick: u64) -> Result<Option<Finish>, Failure> {
-        let Self { wiring, workers, under_way, latest, early, terminated, .. } = self;
+        let Self { plan, workers, state, .. } = self;
+        let State { under_way, latest, early, carried: CarriedState { terminated, .. }, .. } = state;
         let mut taken = Taken::default();
-        let orders = wiring.groups[groups.clone()].iter().zip(&mut under_way[groups]);
+        let orders = plan.groups[groups.clone()].iter().zip(&mut under_way[groups]);
         for (group, order) in orders.filter(|(group, _)| group.is_read_at(tick)) {
             if let Some(order) = order.take() {
                 let due_tick = tick + group.every;
@@ -128,7 +130,7 @@ impl<W: Observer> StepLoop<'_, W> {
         last_tick: u64,
         delivered: impl Fn(&Group) -> Option<u64>,
     ) -> Result<Option<Finish>, Failure> {
-        if taken.lost.is_none() && !taken.non_finite && self.terminated.is_empty() {
+        if taken.lost.is_none() && !taken.non_finite && self.state.carried.terminated.is_empty() {
             return Ok(None);
         }
         if let Some(lost) = taken.lost {
@@ -145,9 +147,9 @@ impl<W: Observer> StepLoop<'_, W> {
     #[cold]
     fn ended_within(&self, last_tick: u64) -> Option<Finish> {
         let early = |(due_tick, unit): &&(u64, Terminated)| {
-            unit.last_successful_time_s < self.wiring.seconds(*due_tick) - HALF_A_NANOSECOND_S
+            unit.last_successful_time_s < self.plan.seconds(*due_tick) - HALF_A_NANOSECOND_S
         };
-        let first = self.terminated.iter().filter(early).map(|(_, unit)| unit.instance).min()?;
+        let first = self.state.carried.terminated.iter().filter(early).map(|(_, unit)| unit.instance).min()?;
         Some(Finish { last_tick, reason: Reason::Terminated(first) })
     }
 
@@ -159,9 +161,9 @@ impl<W: Observer> StepLoop<'_, W> {
     #[cold]
     pub(super) fn refuse_non_finite(&self, delivered: impl Fn(&Group) -> Option<u64>) -> Result<(), Failure> {
         let mut lost = None;
-        for group in &self.wiring.groups {
+        for group in &self.plan.groups {
             let Some(tick) = delivered(group) else { continue };
-            let values = if group.read_every.is_empty() { &self.visible } else { &self.latest };
+            let values = if group.read_every.is_empty() { &self.state.visible } else { &self.state.latest };
             for &instance in &group.instances {
                 if let Some(failure) = self.non_finite(instance, &values.reals, tick) {
                     keep_first(&mut lost, Lost { instance, failure });
@@ -172,12 +174,12 @@ impl<W: Observer> StepLoop<'_, W> {
     }
 
     fn non_finite(&self, instance: usize, reals: &[f64], tick: u64) -> Option<Failure> {
-        let ports = &self.wiring.ports[instance];
+        let ports = &self.plan.ports[instance];
         let values = &reals[ports.outputs.reals.range()][..ports.finite];
         let position = values.iter().position(|value| !value.is_finite())?;
-        let unit = &self.wiring.names[instance];
+        let unit = &self.plan.names[instance];
         let (name, variable) = (unit.instance.clone(), unit.reals[position].clone());
-        Some(Failure::non_finite(name, self.wiring.seconds(tick), variable, values[position]))
+        Some(Failure::non_finite(name, self.plan.seconds(tick), variable, values[position]))
     }
 }
 

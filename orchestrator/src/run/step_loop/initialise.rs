@@ -1,6 +1,6 @@
 //! Initialization: `->` and `=>` carry values along the units' declared dependencies, then the outputs at tick 0.
 
-use super::{Observer, StepLoop};
+use super::{Observer, State, StepLoop};
 use crate::flatten::expression::{Moment, evaluate_shared};
 use crate::flatten::wiring::InitialCall;
 use unit::failure::Failure;
@@ -11,27 +11,25 @@ impl<W: Observer> StepLoop<'_, W> {
     /// # Errors
     /// A unit refuses, or an initial value is not finite.
     pub(super) fn initialise(&mut self) -> Result<(), Failure> {
-        let values = &mut self.visible_shared;
-        for call in &self.wiring.initialization {
+        let Self { plan, state, workers, stack, .. } = self;
+        let State { visible, visible_shared, inputs, carried, .. } = state;
+        for call in &plan.initialization {
             match call {
                 InitialCall::Set { worker, instance, feed, shared, slots } => {
-                    let (slots_used, now) = (shared.iter().copied(), (&self.visible, 0.0));
-                    evaluate_shared(&self.wiring.shared, slots_used, now, &mut self.stack, values);
-                    let (outputs, rises) = (&self.visible, &self.rises);
-                    let moment = Moment { outputs, time_s: 0.0, rises, shared: values };
-                    feed.bring(&moment, &mut self.stack, &mut self.inputs);
-                    self.workers[*worker].set_initial(*instance, slots, &self.inputs)
+                    let now = (&*visible, 0.0);
+                    evaluate_shared(&plan.shared, shared.iter().copied(), now, stack, visible_shared);
+                    let (outputs, rises) = (&*visible, carried.rises.as_slice());
+                    feed.bring(&Moment { outputs, time_s: 0.0, rises, shared: visible_shared }, stack, inputs);
+                    workers[*worker].set_initial(*instance, slots, inputs)
                 }
-                InitialCall::Get { worker, instance, slots } => {
-                    self.workers[*worker].get_initial(*instance, slots, &mut self.visible)
-                }
+                InitialCall::Get { worker, instance, slots } => workers[*worker].get_initial(*instance, slots, visible),
             }
             .map_err(|lost| lost.failure)?;
         }
-        for worker in &mut self.workers {
-            worker.start(&mut self.visible).map_err(|lost| lost.failure)?;
+        for worker in workers {
+            worker.start(visible).map_err(|lost| lost.failure)?;
         }
-        self.latest.clone_from(&self.visible);
+        state.latest.clone_from(&state.visible);
         self.refuse_non_finite(|_| Some(0))
     }
 }

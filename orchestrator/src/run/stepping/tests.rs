@@ -84,10 +84,10 @@ fn a_long_flight_asks_for_memory_as_often_as_a_short_one() {
         let spec = spec(ticks, &unpacked);
         let layout = BoardLayout { notes: 1, columns: spec.scenario.columns.len(), claims: spec.scenario.claims.len() };
         let board = Arc::new(Board::private(&layout).unwrap());
-        let wiring = wire(&spec, &[0, 0]);
+        let plan = plan_of(&spec, &[0, 0]);
         let worker =
-            InProcess::new(wiring.step_ns, &wiring.groups, &wiring.ports, instantiated(&spec, &board), board.note(0));
-        let mut run = step_loop(&spec, &board, wiring, vec![Box::new(worker)]);
+            InProcess::new(plan.step_ns, &plan.groups, &plan.ports, instantiated(&spec, &board), board.note(0));
+        let mut run = step_loop(&spec, &board, plan, vec![Box::new(worker)]);
         let mut finish = None;
         let count = allocation_counter::measure(|| finish = run.run(None).ok()).count_total;
         assert_eq!(finish, Some(Finish { last_tick: ticks, reason: Reason::StopTime }));

@@ -65,13 +65,13 @@ fn serve(address: &Address, kind: Kind, fault: Fault, over: &AtomicBool) {
 fn with_worker<R>(
     (kind, fault): (Kind, Fault),
     worker_of: [usize; 2],
-    run: impl FnOnce(&mut Remote<'_>, &Wiring, &HangMonitor) -> Result<R, Failure>,
+    run: impl FnOnce(&mut Remote<'_>, &Plan, &HangMonitor) -> Result<R, Failure>,
 ) -> (Result<R, String>, usize) {
     let (folder, fmu) = Foreign::default().build();
     let unpacked = unpack(&fmu, &folder.path().join("unpacked")).unwrap();
     let spec = spec(10, &unpacked);
     let descriptions = [&unpacked.description; 2];
-    let wiring = Wiring::new(&spec.scenario, &descriptions, &worker_of);
+    let plan = Plan::new(&spec.scenario, &descriptions, &worker_of);
     let address = Address { home: folder.path().to_owned(), number: 0 };
     let board = Arc::new(Board::create(&address.board(), &BoardLayout { notes: 1, columns: 0, claims: 0 }).unwrap());
     let processes = Arc::new(WorkerProcesses::start(&repository().join("tests/foreign/idle.sh"), [&address]).unwrap());
@@ -84,8 +84,8 @@ fn with_worker<R>(
     let over = Arc::new(AtomicBool::new(false));
     let stop = Arc::clone(&over);
     let worker = thread::spawn(move || serve(&address, kind, fault, &stop));
-    let connected = Remote::connect(&spec, &wiring, handle, sink, "0123456789abcdef");
-    let result = connected.and_then(|mut remote| run(&mut remote, &wiring, &monitor));
+    let connected = Remote::connect(&spec, &plan, handle, sink, "0123456789abcdef");
+    let result = connected.and_then(|mut remote| run(&mut remote, &plan, &monitor));
     over.store(true, Ordering::Release);
     worker.join().unwrap();
     let count = *count.lock().unwrap();
@@ -103,17 +103,17 @@ fn start(remote: &mut Remote<'_>, outputs: &mut Values) -> Result<(), Lost> {
 
 /// Makes a whole run of one step with a faulty worker; returns its outputs or failure, and the number of log messages.
 fn run_with(kind: Kind, fault: Fault) -> (Result<Values, String>, usize) {
-    with_worker((kind, fault), [0, 1], |remote, wiring, _| {
-        let mut outputs = wiring.outputs.clone();
+    with_worker((kind, fault), [0, 1], |remote, plan, _| {
+        let mut outputs = plan.outputs.clone();
         let mut run_once = || {
             start(remote, &mut outputs)?;
-            let ticket = remote.order(&Order { group: 0, tick: TICK, inputs: &wiring.inputs })?;
+            let ticket = remote.order(&Order { group: 0, tick: TICK, inputs: &plan.inputs })?;
             remote.reply(ticket, TICK + 1, &mut outputs)?;
             remote.finish(TICK + 1, Shutdown::Orderly)
         };
         let ran = run_once().map_err(|lost| lost.failure);
         if ran.is_err() {
-            assert!(remote.order(&Order { group: 0, tick: TICK, inputs: &wiring.inputs }).is_err(), "it stays lost");
+            assert!(remote.order(&Order { group: 0, tick: TICK, inputs: &plan.inputs }).is_err(), "it stays lost");
             remote.finish(TICK, Shutdown::Immediate).unwrap();
         }
         ran.map(|()| outputs)
@@ -122,9 +122,9 @@ fn run_with(kind: Kind, fault: Fault) -> (Result<Values, String>, usize) {
 
 #[test]
 fn replies_of_two_groups_of_a_worker_may_be_awaited_in_any_order() {
-    let (result, _) = with_worker((Kind::Stepped, Some), [0, 0], |remote, wiring, _| {
-        let mut outputs = wiring.outputs.clone();
-        let order = |remote: &mut Remote<'_>, group, tick| remote.order(&Order { group, tick, inputs: &wiring.inputs });
+    let (result, _) = with_worker((Kind::Stepped, Some), [0, 0], |remote, plan, _| {
+        let mut outputs = plan.outputs.clone();
+        let order = |remote: &mut Remote<'_>, group, tick| remote.order(&Order { group, tick, inputs: &plan.inputs });
         let mut run = || {
             start(remote, &mut outputs)?;
             let tickets = [order(remote, 0, TICK)?, order(remote, 1, TICK)?];
@@ -143,10 +143,10 @@ fn replies_of_two_groups_of_a_worker_may_be_awaited_in_any_order() {
 
 #[test]
 fn another_order_does_not_extend_the_time_of_the_first() {
-    let (result, _) = with_worker((Kind::Stepped, |_| None), [0, 0], |remote, wiring, monitor| {
-        start(remote, &mut wiring.outputs.clone()).map_err(|lost| lost.failure)?;
+    let (result, _) = with_worker((Kind::Stepped, |_| None), [0, 0], |remote, plan, monitor| {
+        start(remote, &mut plan.outputs.clone()).map_err(|lost| lost.failure)?;
         let mut checks_until_found = |group, most| {
-            remote.order(&Order { group, tick: TICK, inputs: &wiring.inputs }).map_err(|lost| lost.failure)?;
+            remote.order(&Order { group, tick: TICK, inputs: &plan.inputs }).map_err(|lost| lost.failure)?;
             // Until the worker has executed the order: each new call restarts the time.
             thread::sleep(Duration::from_millis(100));
             Ok((1..=most).find(|_| monitor.check(0, Duration::from_millis(50)).is_some()))

@@ -1,8 +1,7 @@
 //! Units made of closures, behind the worker's trait, and scripts made of a few words.
 
-use crate::flatten::claims::Claims;
 use crate::flatten::values::Values;
-use crate::flatten::wiring::{VariableSlot, Wiring};
+use crate::flatten::wiring::{Plan, VariableSlot};
 use crate::run::message::Finish;
 use crate::run::run_options::RunOptions;
 use crate::run::step_loop::{Checkpoint, Observer, StepLoop};
@@ -176,12 +175,11 @@ impl Script {
     pub fn run(self) -> Ran {
         let description = description();
         let descriptions = vec![&description; self.units.len()];
-        let wiring = Wiring::new(&self.scenario, &descriptions, &self.worker_of);
-        let claims = Claims::new(&self.scenario.claims, self.scenario.stop_tick, &mut |port| wiring.place(port));
+        let plan = Plan::new(&self.scenario, &descriptions, &self.worker_of);
         let asked = Rc::new(RefCell::new(Vec::new()));
         let units: Vec<_> = self.units.into_iter().map(|unit| Rc::new(RefCell::new(unit))).collect();
         let worker = |index| -> Box<dyn Worker> {
-            Box::new(FakeWorker::new(index, &wiring, &self.worker_of, &units, Rc::clone(&asked)))
+            Box::new(FakeWorker::new(index, &plan, &self.worker_of, &units, Rc::clone(&asked)))
         };
         let workers = (0..=self.worker_of.iter().copied().max().unwrap_or(0)).map(worker).collect();
         let mut seen = Seen {
@@ -196,7 +194,7 @@ impl Script {
         };
         seen.standings.resize(self.scenario.claims.len(), None);
         let options = RunOptions { fail_fast: self.fail_fast, record: true, ..RunOptions::default() };
-        let result = StepLoop::new(wiring, claims, workers, options, &mut seen).run(self.from.as_ref());
+        let result = StepLoop::new(plan, workers, options, &mut seen).run(self.from.as_ref());
         let standings: Vec<_> = seen.standings.into_iter().flatten().collect();
         let verdicts = standings.iter().map(|standing| standing.verdict).collect();
         let asked = asked.borrow().clone();
@@ -243,7 +241,7 @@ impl Observer for &mut Seen {
 /// Computes at the order and hands over at the reply, as a worker far away does.
 struct FakeWorker {
     index: usize,
-    wiring: Vec<(Vec<usize>, u64)>,
+    plan: Vec<(Vec<usize>, u64)>,
     ports: Vec<crate::flatten::wiring::InstancePorts>,
     units: Vec<Rc<RefCell<Fake>>>,
     mine: Vec<usize>,
@@ -258,7 +256,7 @@ struct FakeWorker {
 impl FakeWorker {
     fn new(
         index: usize,
-        wiring: &Wiring,
+        plan: &Plan,
         worker_of: &[usize],
         units: &[Rc<RefCell<Fake>>],
         asked: Rc<RefCell<Vec<String>>>,
@@ -266,14 +264,14 @@ impl FakeWorker {
         let count = units.len();
         Self {
             index,
-            wiring: wiring.groups.iter().map(|group| (group.instances.clone(), group.every)).collect(),
-            ports: wiring.ports.clone(),
+            plan: plan.groups.iter().map(|group| (group.instances.clone(), group.every)).collect(),
+            ports: plan.ports.clone(),
             units: units.to_vec(),
             mine: (0..count).filter(|&instance| worker_of[instance] == index).collect(),
             steps: vec![0; count],
             results: vec![0.0; count],
-            lost: vec![None; wiring.groups.len()],
-            terminated: vec![Vec::new(); wiring.groups.len()],
+            lost: vec![None; plan.groups.len()],
+            terminated: vec![Vec::new(); plan.groups.len()],
             initial: vec![0.0; count],
             asked,
         }
@@ -318,7 +316,7 @@ impl Worker for FakeWorker {
 
     fn order(&mut self, order: &Order<'_>) -> Result<Ticket, Lost> {
         self.asked.borrow_mut().push(format!("{} order {}", order.tick, self.index));
-        for instance in self.wiring[order.group].0.clone() {
+        for instance in self.plan[order.group].0.clone() {
             assert!(self.mine.contains(&instance));
             let step = Step {
                 u: self.input(instance, U, order.inputs, 0.0),
@@ -353,7 +351,7 @@ impl Worker for FakeWorker {
         if let Some(lost) = self.lost[ticket.group].take() {
             return Err(lost);
         }
-        for &instance in &self.wiring[ticket.group].0 {
+        for &instance in &self.plan[ticket.group].0 {
             self.show(instance, self.results[instance], outputs);
         }
         Ok(Reply { terminated: std::mem::take(&mut self.terminated[ticket.group]) })

@@ -1,0 +1,82 @@
+//! All that changes during a run outside of the instances.
+
+use super::UnderWay;
+use crate::flatten::claims::ClaimsMemory;
+use crate::flatten::values::Values;
+use crate::flatten::wiring::{OverrideState, Plan};
+use crate::run::worker::Terminated;
+use serde::{Deserialize, Serialize};
+
+/// The state of a run. With the saved states of the instances it is a checkpoint.
+#[derive(Debug)]
+pub(super) struct State {
+    /// The outputs that `->`, claims and rows read: those of steps that have ended by this tick.
+    pub visible: Values,
+    /// The outputs that `=>` reads: those of all steps that were awaited.
+    pub latest: Values,
+    /// The inputs that were last passed to a step.
+    pub inputs: Values,
+    /// By group, the order whose result is not yet due, if any.
+    pub under_way: Vec<Option<UnderWay>>,
+    /// Results that a checkpoint awaited before they are due.
+    pub early: Values,
+    /// What belongs to no instance.
+    pub carried: CarriedState,
+    /// The shared expressions, computed from the visible and from the latest outputs.
+    pub visible_shared: Vec<f64>,
+    pub latest_shared: Vec<f64>,
+    /// How many of the plan's changes of overrides have been applied.
+    pub changes: usize,
+    /// The number of samples that the claims took.
+    pub samples: u64,
+}
+
+/// The part of the state that belongs to no instance: a checkpoint contains it as it is.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct CarriedState {
+    /// Instances that have terminated, with the tick at which their step ends.
+    pub terminated: Vec<(u64, Terminated)>,
+    /// Whether each condition held at the last sample, and whether it rose then.
+    pub held: Vec<bool>,
+    pub rises: Vec<bool>,
+    /// Which `set` of each override applies.
+    pub overrides: Vec<OverrideState>,
+    /// What the claims remember of earlier samples.
+    pub claims: ClaimsMemory,
+}
+
+impl State {
+    /// Before initialization.
+    pub fn new(plan: &Plan) -> Self {
+        Self {
+            visible: plan.outputs.clone(),
+            latest: plan.outputs.clone(),
+            inputs: plan.inputs.clone(),
+            under_way: plan.groups.iter().map(|_| None).collect(),
+            early: plan.outputs.clone(),
+            carried: CarriedState {
+                terminated: Vec::new(),
+                held: vec![false; plan.rises.len()],
+                rises: vec![false; plan.rises.len()],
+                overrides: plan.overrides.states(),
+                claims: plan.claims.memory(),
+            },
+            visible_shared: vec![0.0; plan.shared.len()],
+            latest_shared: vec![0.0; plan.shared.len()],
+            changes: 0,
+            samples: 0,
+        }
+    }
+}
+
+impl CarriedState {
+    /// Whether it can be that of a run of this plan after so many samples.
+    pub fn fits(&self, plan: &Plan, samples: u64) -> bool {
+        let overrides = &plan.overrides.all;
+        self.terminated.iter().all(|(_, unit)| unit.instance < plan.ports.len())
+            && [self.held.len(), self.rises.len()] == [plan.rises.len(); 2]
+            && self.overrides.len() == overrides.len()
+            && overrides.iter().zip(&self.overrides).all(|(one, state)| one.fits(state))
+            && plan.claims.fits(&self.claims, samples)
+    }
+}
