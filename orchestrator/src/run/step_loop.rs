@@ -8,8 +8,6 @@ mod gather;
 mod initialise;
 mod observer;
 mod state;
-#[cfg(test)]
-mod tests;
 
 pub use checkpoint::Checkpoint;
 pub use observer::Observer;

@@ -66,7 +66,7 @@ impl Checkpoint {
 
     /// Whether it could be one of a run of this scenario: as many of everything, each where it may be. What units saved is
     /// theirs to judge.
-    pub(super) fn fits(&self, scenario: &Scenario, descriptions: &[&ModelDescription]) -> bool {
+    fn fits(&self, scenario: &Scenario, descriptions: &[&ModelDescription]) -> bool {
         if self.tick >= scenario.stop_tick || self.instances.len() != scenario.instances.len() {
             return false;
         }

@@ -1,10 +1,10 @@
 //! Runs that are saved and continued, seen through fake units.
 
-use super::fake::{Answer, P, Ran, Script, U, V, Y, answering, counter, description, port, repeater, signal, unit};
-use super::{TIME, number};
-use crate::run::message::Reason;
-use crate::run::step_loop::Checkpoint;
+use crate::fake::{Answer, P, Ran, Script, U, V, Y, answering, counter, description, port, repeater, signal, unit};
+use crate::{TIME, number};
 use dsl::scenario::{BooleanExpression, Formula, Margin, RealExpression, TickWindow};
+use orchestrator::run::message::Reason;
+use orchestrator::run::step_loop::Checkpoint;
 use unit::failure::Cause;
 
 impl Script {
@@ -14,11 +14,17 @@ impl Script {
     }
 
     pub fn from(mut self, checkpoint: &Checkpoint) -> Self {
-        assert!(checkpoint.fits(&self.scenario, &vec![&description(); self.units.len()]));
+        assert!(fits(checkpoint, &self));
         // As it comes out of a file.
         self.from = Some(postcard::from_bytes(&postcard::to_stdvec(checkpoint).unwrap()).unwrap());
         self
     }
+}
+
+/// Whether a run of a script can continue from a checkpoint, as it is read from a file.
+fn fits(checkpoint: &Checkpoint, script: &Script) -> bool {
+    let bytes = postcard::to_stdvec(checkpoint).unwrap();
+    Checkpoint::read(&bytes, &script.scenario, &vec![&description(); script.units.len()]).is_ok()
 }
 
 fn above(value: RealExpression, limit: f64) -> Formula {
@@ -113,8 +119,7 @@ fn a_step_that_is_lost_leaves_no_checkpoint_and_breaks_the_run_when_it_is_due() 
 #[test]
 fn a_checkpoint_of_another_shape_fits_no_run() {
     let checkpoint = everything(15).saving([4]).run().checkpoints.remove(0);
-    let description = description();
-    let fits = |script: Script| checkpoint.fits(&script.scenario, &vec![&description; script.units.len()]);
+    let fits = |script: Script| fits(&checkpoint, &script);
     assert!(fits(everything(15)));
     assert!(!fits(everything(4)), "it is over");
     assert!(!fits(everything(15).always(above(signal(0), 0.0))), "a claim more");

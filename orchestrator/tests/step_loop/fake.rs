@@ -1,17 +1,17 @@
 //! Units made of closures, behind the worker's trait, and scripts made of a few words.
 
-use crate::flatten::values::Values;
-use crate::flatten::wiring::{Plan, VariableSlot};
-use crate::run::message::Finish;
-use crate::run::run_options::RunOptions;
-use crate::run::step_loop::{Checkpoint, Observer, StepLoop};
-use crate::run::worker::{Lost, Order, Reply, Shutdown, Terminated, Ticket, Worker};
 use dsl::scenario::{
     Column, Connection, Drive, Event, Formula, InitialStep, Instance, Port, RealExpression, Scenario, Set, TickWindow,
     Unit,
 };
 use fmi2::calls::Call;
 use fmi2::description::{Causality, Kind, ModelDescription, RealAttributes, RealVariable, Variability, Variable};
+use orchestrator::flatten::values::Values;
+use orchestrator::flatten::wiring::{InstancePorts, Plan, VariableSlot};
+use orchestrator::run::message::Finish;
+use orchestrator::run::run_options::RunOptions;
+use orchestrator::run::step_loop::{Checkpoint, Observer, StepLoop};
+use orchestrator::run::worker::{Lost, Order, Reply, Shutdown, Terminated, Ticket, Worker};
 use results::verdict::{Standing, Verdict};
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -126,9 +126,8 @@ impl Script {
             claims: Vec::new(),
             columns: Vec::new(),
         };
-        let worker_of = vec![0; units.len()];
-        let (saves, from) = (Vec::new(), None);
-        Self { scenario, worker_of, fail_fast: false, stop_requested_at: None, units, saves, from }
+        let (worker_of, saves) = (vec![0; units.len()], Vec::new());
+        Self { scenario, worker_of, fail_fast: false, stop_requested_at: None, units, saves, from: None }
     }
 
     pub fn connect(mut self, from: usize, to: usize, direct: bool) -> Self {
@@ -242,7 +241,7 @@ impl Observer for &mut Seen {
 struct FakeWorker {
     index: usize,
     plan: Vec<(Vec<usize>, u64)>,
-    ports: Vec<crate::flatten::wiring::InstancePorts>,
+    ports: Vec<InstancePorts>,
     units: Vec<Rc<RefCell<Fake>>>,
     mine: Vec<usize>,
     steps: Vec<u32>,

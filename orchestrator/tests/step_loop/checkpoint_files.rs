@@ -1,8 +1,8 @@
 //! Checkpoint files that are fine, and bytes that are not.
 
-use super::checkpoints::everything;
-use super::fake::description;
-use crate::run::step_loop::Checkpoint;
+use crate::checkpoints::everything;
+use crate::fake::description;
+use orchestrator::run::step_loop::Checkpoint;
 use proptest::prelude::*;
 use results::checkpoint::{CheckpointError, FORMAT, Identity, MAGIC};
 use results::report::error_text;

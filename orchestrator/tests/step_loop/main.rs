@@ -1,4 +1,5 @@
 //! The order of one step, seen through fake units.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod checkpoint_files;
 mod checkpoints;

@@ -1,10 +1,10 @@
 //! How runs end, seen through fake units.
 
-use super::fake::{Answer, Script, Step, U, Y, answering, counter, port, repeater, signal, unit};
-use super::number;
-use crate::run::message::{Finish, Reason};
+use crate::fake::{Answer, Fake, Script, Step, U, Y, answering, counter, port, repeater, signal, unit};
+use crate::number;
 use dsl::scenario::{Formula, Margin, RealExpression};
 use fmi2::calls::Call;
+use orchestrator::run::message::{Finish, Reason};
 use results::verdict::Verdict;
 use unit::failure::{Cause, Doing};
 
@@ -14,7 +14,7 @@ fn below(instance: usize, limit: f64) -> Formula {
 }
 
 /// A unit that counts, but answers otherwise when its step begins at a tick.
-fn otherwise_at(every: u64, wave: usize, tick: u64, answer: fn(&Step) -> Answer) -> super::fake::Fake {
+fn otherwise_at(every: u64, wave: usize, tick: u64, answer: fn(&Step) -> Answer) -> Fake {
     answering(
         every,
         wave,
