@@ -9,6 +9,7 @@ mod duration;
 mod event;
 mod reads;
 
+use crate::source::FileRef;
 pub use curve::Curve;
 pub use duration::duration;
 pub use event::{Action, Event, Fault, FaultKind, Set, Trigger};
@@ -99,8 +100,8 @@ pub enum Value {
     Boolean(bool),
     /// String
     String(String),
-    /// `file("x")`: a path relative to the script's folder, to be resolved and hashed by the run.
-    File(String),
+    /// `file("x")`, to be resolved and hashed by the run.
+    File(FileRef),
 }
 
 /// One variable of one instance.

@@ -21,6 +21,15 @@ impl Span {
     }
 }
 
+/// A file that a text names.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileRef {
+    /// Index of the text in [`Sources`]: the path is relative to that text's folder.
+    pub from: u32,
+    /// The path as written.
+    pub path: String,
+}
+
 /// A named text: a script as its user named it, or an assignment of the command line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {

@@ -10,7 +10,7 @@ use super::scope::Scope;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::{listed, nearest};
 use crate::scenario::{BooleanExpression, Drive, Port, RealExpression};
-use crate::source::Span;
+use crate::source::{FileRef, Span};
 
 /// A value in the type and unit of its target.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +18,7 @@ pub(super) enum Fitted {
     /// What a run can compute.
     Drive(Drive),
     /// `file("x")`
-    File(String),
+    File(FileRef),
 }
 
 /// The places of an assignment.
@@ -59,7 +59,7 @@ impl Scope<'_, '_> {
                 Drive::Integer(self.item(target, name, at.source)?)
             }
             (Kind::String { .. }, Meaning::Text(Text::Literal(text))) => Drive::String(text.clone()),
-            (Kind::String { .. }, Meaning::Text(Text::File(path))) => return Some(Fitted::File(path.clone())),
+            (Kind::String { .. }, Meaning::Text(Text::File(file))) => return Some(Fitted::File(file.clone())),
             (Kind::String { .. }, Meaning::Text(Text::Port(port))) => Drive::Copy(*port),
             (_, value) => return self.refuse(self.types_differ(value, target, at)),
         };

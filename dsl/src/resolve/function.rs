@@ -13,7 +13,7 @@ use super::script::not_yet;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
 use crate::scenario::{BooleanExpression, Function};
-use crate::source::Span;
+use crate::source::{FileRef, Span};
 use crate::syntax::{Expression, Operator, Word};
 
 const NAMES: [&str; 19] = [
@@ -229,7 +229,9 @@ impl Scope<'_, '_> {
     fn file(&self, call: &Call<'_>) -> Option<Meaning> {
         let [(path, span)] = self.count(call)?;
         match &*path {
-            Meaning::Text(Text::Literal(path)) => Some(Meaning::Text(Text::File(path.clone()))),
+            Meaning::Text(Text::Literal(path)) => {
+                Some(Meaning::Text(Text::File(FileRef { from: span.text, path: path.clone() })))
+            }
             other => {
                 let message = format!("`file` takes the path as a text, found {}", other.kind());
                 self.refuse(Diagnostic::error("E31", span, message).help("for example `file(\"yard.csv\")`"))

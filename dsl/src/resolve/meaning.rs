@@ -5,7 +5,7 @@ use std::rc::Rc;
 use fmi2::units::{BaseUnit, Dimension};
 
 use crate::scenario::{BooleanExpression, Limit, Margin, MarginUnit, Port, RealExpression, TickWindow};
-use crate::source::Span;
+use crate::source::{FileRef, Span};
 use crate::syntax::TemporalWord;
 
 /// The meaning of an expression. A part without meaning was reported and is `None`.
@@ -84,7 +84,7 @@ pub(super) enum Text {
     /// Written in the script.
     Literal(String),
     /// `file("x")`
-    File(String),
+    File(FileRef),
     /// A String variable.
     Port(Port),
 }

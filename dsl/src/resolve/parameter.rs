@@ -128,7 +128,7 @@ fn typed_again(value: &Meaning) -> Option<String> {
             _ => None,
         },
         Meaning::Text(Text::Literal(text)) => Some(format!("\"{text}\"")),
-        Meaning::Text(Text::File(path)) => Some(format!("file(\"{path}\")")),
+        Meaning::Text(Text::File(file)) => Some(format!("file(\"{}\")", file.path)),
         Meaning::List(elements) => {
             let elements: Option<Vec<_>> = elements.iter().map(|element| typed_again(element)).collect();
             Some(format!("[{}]", elements?.join(", ")))

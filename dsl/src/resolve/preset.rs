@@ -120,7 +120,7 @@ impl Scope<'_, '_> {
 /// A value that is known, out of what a run would compute.
 fn constant(fitted: Fitted) -> Value {
     match fitted {
-        Fitted::File(path) => Value::File(path),
+        Fitted::File(file) => Value::File(file),
         Fitted::Drive(Drive::Real(RealExpression::Constant(value))) => Value::Real(value),
         Fitted::Drive(Drive::Integer(value)) => Value::Integer(value),
         Fitted::Drive(Drive::Boolean(BooleanExpression::Constant(value))) => Value::Boolean(value),

@@ -155,7 +155,11 @@ fn finding_lines(name: &str, archive: &Path, findings: &[Finding]) -> Vec<String
 /// What `file("…")` names, hashed; each must lie in the script's folder.
 fn files_of(scenario: &Scenario, folder: &Path) -> Result<Vec<HashedFile>, Refusal> {
     let presets = scenario.instances.iter().flat_map(|instance| &instance.presets);
-    let names = presets.filter_map(|preset| if let Value::File(name) = &preset.value { Some(name) } else { None });
+    // All of them are named by the script or the command line, whose paths are relative to the script's folder.
+    let names = presets.filter_map(|preset| match &preset.value {
+        Value::File(file) => Some(&file.path),
+        _ => None,
+    });
     let mut files: Vec<HashedFile> = Vec::new();
     for name in names {
         if files.iter().any(|file| file.name == *name) {
@@ -203,10 +207,13 @@ mod tests {
     use super::*;
     use crate::example::scenario;
     use dsl::scenario::Preset;
+    use dsl::source::FileRef;
 
     fn with_file(name: &str) -> Scenario {
         let mut scenario = scenario();
-        scenario.instances[0].presets.push(Preset { variable: 0, value: Value::File(name.to_owned()) });
+        scenario.instances[0]
+            .presets
+            .push(Preset { variable: 0, value: Value::File(FileRef { from: 0, path: name.to_owned() }) });
         scenario
     }
 

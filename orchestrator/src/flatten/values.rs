@@ -121,7 +121,8 @@ impl Values {
             (ValueType::Real, Value::Real(value)) => self.reals[slot.index] = *value,
             (ValueType::Integer, Value::Integer(value)) => self.integers[slot.index] = *value,
             (ValueType::Boolean, Value::Boolean(value)) => self.booleans[slot.index] = i32::from(*value),
-            (ValueType::Text, Value::String(value) | Value::File(value)) => self.texts[slot.index].clone_from(value),
+            (ValueType::Text, Value::String(value)) => self.texts[slot.index].clone_from(value),
+            (ValueType::Text, Value::File(file)) => self.texts[slot.index].clone_from(&file.path),
             (base, value) => unreachable!("{value:?} was resolved for a variable of type {base:?}"),
         }
     }

@@ -104,8 +104,8 @@ impl Instantiator<'_> {
             Value::Integer(value) => instance.set_integer(start, handle, &[*value]),
             Value::Boolean(value) => instance.set_boolean(start, handle, &[i32::from(*value)]),
             Value::String(text) => instance.set_string(start, handle, std::slice::from_ref(text)),
-            Value::File(path) => {
-                let path = self.folder.join(path).to_string_lossy().into_owned();
+            Value::File(file) => {
+                let path = self.folder.join(&file.path).to_string_lossy().into_owned();
                 instance.set_string(start, handle, &[path])
             }
         }

@@ -102,7 +102,7 @@ fn start_values_of_all_types_are_taken() {
         [
             (13, Value::Integer(7)),
             (14, Value::Integer(2)),
-            (15, Value::File("yard.csv".to_owned())),
+            (15, Value::File(crate::source::FileRef { from: 0, path: "yard.csv".to_owned() })),
             (6, Value::Boolean(true)),
             (8, Value::String("x".to_owned())),
             (10, Value::Real(0.0)),

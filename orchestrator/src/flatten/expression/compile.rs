@@ -157,7 +157,8 @@ impl Compiler<'_, '_> {
 
     fn text(&mut self, operand: &Operand) -> Option<Text> {
         match operand {
-            Operand::Constant(Value::String(text) | Value::File(text)) => Some(Text::Constant(text.clone())),
+            Operand::Constant(Value::String(text)) => Some(Text::Constant(text.clone())),
+            Operand::Constant(Value::File(file)) => Some(Text::Constant(file.path.clone())),
             Operand::Constant(_) => None,
             Operand::Signal(port) => {
                 let slot = (self.slot_of)(*port);
