@@ -63,7 +63,7 @@ impl Check {
             match self.one(file, &mut catalogue) {
                 Ok(checked) => {
                     all_well &= checked.is_well(self.strict);
-                    report::result(&self.told(file, &checked));
+                    report::result(&self.text(file, &checked));
                 }
                 Err(message) => {
                     all_well = false;
@@ -92,7 +92,7 @@ impl Check {
         Catalogue::new(self.units.clone(), &current, !self.no_build).map_err(|error| error.to_string())
     }
 
-    fn told(&self, file: &Path, checked: &Checked) -> String {
+    fn text(&self, file: &Path, checked: &Checked) -> String {
         let details = if self.verbose { checked.details.as_str() } else { "" };
         format!("{}{}\n{details}", checked.findings, checked.summary(&file.display().to_string(), self.strict))
     }

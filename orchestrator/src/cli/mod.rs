@@ -75,7 +75,7 @@ impl Cli {
     }
 }
 
-/// Steps the plan on standard input; what keeps it from beginning is told, since no board can tell it.
+/// Steps the run whose specification comes on standard input. An error before it has a board is printed.
 fn step_loop() -> u8 {
     match crate::host::child::run() {
         Ok(()) => 0,

@@ -1,7 +1,7 @@
 //! `--log-fmi-calls`: logs each call of an instance, once before it is made and once after it has returned.
 //!
 //! An instance whose calls are logged gets a table of the functions below instead of the unit's, and a pointer to a
-//! [`Logged`] as its component. Other instances keep the unit's functions, so that logging costs them nothing. A line
+//! `Logged` as its component. Other instances keep the unit's functions, so that logging costs them nothing. A line
 //! is written in two pieces, so that a call that never returns is in the log without a result:
 //!
 //! ```text

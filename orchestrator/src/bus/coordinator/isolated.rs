@@ -29,7 +29,7 @@ struct Isolated {
 /// Starts the worker processes of a run and the step loop; see [`StartWorkers`](crate::host::supervise::StartWorkers).
 ///
 /// # Errors
-/// As for [`Isolated::start`].
+/// A process cannot be started, or its board not be made.
 pub fn start_isolated(program: &Path, spec: &RunSpec, board: &Arc<Board>) -> io::Result<Box<dyn Stepping>> {
     Ok(Box::new(Isolated::start(program, spec, board)?))
 }

@@ -1,10 +1,10 @@
-//! Names of single variables, told by the groups that they make up.
+//! Names of single variables, replaced by the names of the groups that they make up.
 
 use std::collections::BTreeMap;
 
 /// The names of variables without the members that all of them end in; each keeps its first part.
 ///
-/// `state.position.x` and `vehicle.position.x` are told as `state` and `vehicle`.
+/// `state.position.x` and `vehicle.position.x` become `state` and `vehicle`.
 pub(super) fn without_shared_members(names: &[&str]) -> Vec<String> {
     let mut parts: Vec<Vec<&str>> = names.iter().map(|name| parts(name)).collect();
     while parts.iter().all(|parts| parts.len() > 1) && parts.iter().all(|other| other.last() == parts[0].last()) {
@@ -27,11 +27,11 @@ pub(super) fn groups<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
             None => groups.push((first, name, 1)),
         }
     }
-    let told = groups.into_iter().map(|(group, name, count)| match count {
+    let texts = groups.into_iter().map(|(group, name, count)| match count {
         1 => name.to_owned(),
         _ => format!("{group} ({count})"),
     });
-    told.collect::<Vec<_>>().join(", ")
+    texts.collect::<Vec<_>>().join(", ")
 }
 
 /// `a.b[1,2].'c.d'` as `a`, `.b`, `[1,2]`, `.'c.d'`; a quoted part stays whole.

@@ -155,7 +155,7 @@ impl Plan<'_> {
             let name = |port: Port| description.variables[port.variable].name.as_str();
             // An output without declared dependencies depends on every input.
             let all = groups(delayed.range(port(0)..=port(usize::MAX)).copied().map(name));
-            let mut told: Vec<(Cow<'_, str>, Vec<&str>)> = Vec::new();
+            let mut by_inputs: Vec<(Cow<'_, str>, Vec<&str>)> = Vec::new();
             let mut places = BTreeMap::new();
             for output in &description.structure.outputs {
                 let Some(variable) = description.variables.get(output.index) else { continue };
@@ -167,14 +167,14 @@ impl Plan<'_> {
                     None => Cow::Borrowed(all.as_str()),
                 };
                 if !inputs.is_empty() {
-                    let place = *places.entry(inputs.clone()).or_insert(told.len());
-                    if place == told.len() {
-                        told.push((inputs, Vec::new()));
+                    let place = *places.entry(inputs.clone()).or_insert(by_inputs.len());
+                    if place == by_inputs.len() {
+                        by_inputs.push((inputs, Vec::new()));
                     }
-                    told[place].1.push(&variable.name);
+                    by_inputs[place].1.push(&variable.name);
                 }
             }
-            for (inputs, outputs) in told {
+            for (inputs, outputs) in by_inputs {
                 let _ = writeln!(lines, "  {}: {}, from {inputs}", self.instance(instance), groups(outputs));
             }
         }

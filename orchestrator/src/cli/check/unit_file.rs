@@ -62,7 +62,7 @@ mod tests {
         path
     }
 
-    fn told(files: &[(&str, &str)]) -> String {
+    fn text(files: &[(&str, &str)]) -> String {
         let folder = tempfile::tempdir().unwrap();
         let path = archive(folder.path(), files);
         let checked = check(&path).unwrap();
@@ -86,13 +86,13 @@ mod tests {
     #[test]
     fn a_sound_unit_is_summed_up_in_one_line() {
         let files = [("modelDescription.xml", GOOD), (LIBRARY, ""), ("documentation/index.html", "")];
-        assert_eq!(told(&files), "tank.fmu: ok  Tank, 1 variable");
+        assert_eq!(text(&files), "tank.fmu: ok  Tank, 1 variable");
     }
 
     #[test]
     fn every_finding_has_its_line_and_rule_and_those_of_the_archive_come_first() {
         let bad = GOOD.replace("causality=\"output\"", "causality=\"input\"").replace("guid=\"g\"", "");
-        insta::assert_snapshot!(told(&[
+        insta::assert_snapshot!(text(&[
             ("modelDescription.xml", &bad),
             ("binaries\\win64\\tank.dll", ""),
             ("binaries/linux32/libtank.so", ""),
@@ -108,7 +108,7 @@ mod tests {
         let checked = check(&path).unwrap();
         assert_eq!(checked.errors, 1);
         assert!(checked.findings.contains("tank.fmu: error[2.3]: no readable zip archive"), "{}", checked.findings);
-        let torn = told(&[("modelDescription.xml", "<fmiModelDescription")]);
+        let torn = text(&[("modelDescription.xml", "<fmiModelDescription")]);
         assert!(torn.starts_with("tank.fmu/modelDescription.xml:1:") && torn.contains("error[XML]"), "{torn}");
     }
 

@@ -43,7 +43,7 @@ impl Live {
         let rate = if self.live_every_tick { Rate::EveryTick } else { Rate::Sample };
         let addresses = listening.addresses().to_vec();
         let watch = Watch::new(listening, &run.spec, rate).map_err(|error| refusal(&error))?;
-        status(&told(watch.run(), &addresses));
+        status(&text(watch.run(), &addresses));
         Ok(ReadyRun { run, live: Some(Box::new(|board| Box::new(watch.on(board)))) })
     }
 }
@@ -53,7 +53,7 @@ fn refusal(error: &ListenError) -> Refusal {
 }
 
 /// The name and addresses of a run, and a command line that watches it.
-fn told(run: &str, addresses: &[String]) -> String {
+fn text(run: &str, addresses: &[String]) -> String {
     let first = addresses.first().map_or(ANY_LOCAL_PORT, String::as_str);
     let settings = format!(r#"{{mode: \"client\", connect: {{endpoints: [\"{first}\"]}}}}"#);
     let connect = format!(r#"s = zenoh.open(zenoh.Config.from_json5("{settings}"))"#);
@@ -67,5 +67,5 @@ fn told(run: &str, addresses: &[String]) -> String {
 
 #[test]
 fn the_console_tells_name_and_addresses_and_a_line_to_paste() {
-    insta::assert_snapshot!(told("0123456789abcdef", &["tcp/127.0.0.1:41234".to_owned()]));
+    insta::assert_snapshot!(text("0123456789abcdef", &["tcp/127.0.0.1:41234".to_owned()]));
 }

@@ -17,8 +17,8 @@ pub(super) struct Experiment {
 }
 
 impl Experiment {
-    /// What the user says, then what the unit says, then one second in steps of about a thousandth. What nobody typed is
-    /// rounded, and a stop is rounded to steps that nobody typed.
+    /// The user's options first, then those of the unit, then one second in steps of about a thousandth. A time that the user
+    /// did not type is rounded, and so is a stop to a step that the user did not type.
     ///
     /// # Errors
     /// An option is no time of a run, or both options do not fit each other.

@@ -22,8 +22,8 @@ pub type BeginLive = Box<dyn FnOnce(&Arc<Board>) -> Box<dyn Sink>>;
 
 /// The process or thread that steps a run, seen by its supervisor.
 pub trait Stepping {
-    /// If it is over: why, should it count as broken since it did not say that it was done. All that it told is on the
-    /// board then.
+    /// If it is over: the reason, in case it counts as broken because it did not report its end. All that it reported is
+    /// on the board then.
     ///
     /// # Errors
     /// The system cannot report the state of the process.
