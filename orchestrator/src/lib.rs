@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! lockstep run ── parent: finds units, checks the script, writes every file, prints everything ── supervise
-//!    │  plan (standard input)          ▲ rows, messages, claims, the call in progress (board, mapped by both)
+//!    │  specification (standard input) ▲ rows, messages, claims, the call in progress (board, mapped by both)
 //!    ▼                                 │
 //! lockstep step-loop ── child: worker ── units ── step loop ── claims
 //! ```

@@ -18,7 +18,7 @@ pub struct Moment<'a> {
     pub outputs: &'a Values,
     /// Seconds since the start.
     pub time_s: f64,
-    /// For each condition of `Scenario::rises` whether it holds now and did not hold at the sample before.
+    /// For each condition of `Scenario::conditions` whether it holds now and did not hold at the sample before.
     pub rises: &'a [bool],
     /// The values of `Scenario::shared` that programs use, computed from the same outputs.
     pub shared: &'a [f64],

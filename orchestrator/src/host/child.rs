@@ -10,14 +10,14 @@ use std::sync::Arc;
 use unit::board::Board;
 
 /// A longer specification is invalid; checkpoints of many units may be large.
-const LONGEST_PLAN: u64 = 1 << 36;
+const LONGEST_SPEC: u64 = 1 << 36;
 
 /// Runs the specification on standard input. The result is on the board, even if the run breaks.
 ///
 /// # Errors
 /// There is no specification, or the board that it names cannot be opened, so that nothing can be reported there.
 pub fn run() -> io::Result<()> {
-    let spec = read_plan(&mut io::stdin().lock())?;
+    let spec = read_spec(&mut io::stdin().lock())?;
     let board = Arc::new(Board::open(&spec.board)?);
     end_when_orphaned(spec.board.parent());
     step_run(&spec, &board);
@@ -28,12 +28,12 @@ pub fn run() -> io::Result<()> {
 ///
 /// # Errors
 /// The input ends early or holds no spec.
-pub fn read_plan(input: &mut impl Read) -> io::Result<RunSpec> {
+pub fn read_spec(input: &mut impl Read) -> io::Result<RunSpec> {
     let mut length = [0; 8];
     input.read_exact(&mut length)?;
     let length = u64::from_le_bytes(length);
     let mut bytes = Vec::new();
-    if length > LONGEST_PLAN || input.take(length).read_to_end(&mut bytes)? as u64 != length {
+    if length > LONGEST_SPEC || input.take(length).read_to_end(&mut bytes)? as u64 != length {
         return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the plan on standard input is cut short"));
     }
     postcard::from_bytes(&bytes)

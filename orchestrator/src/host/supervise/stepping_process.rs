@@ -1,4 +1,4 @@
-//! The child of a run: this program once more, which reads its plan from standard input.
+//! The child of a run: this program once more, which reads its specification from standard input.
 //!
 //! Its standard input stays open as long as the parent lives; by its end the child detects that the parent has ended.
 //! What units print on either stream goes to the parent's standard error.
