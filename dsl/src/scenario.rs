@@ -1,5 +1,5 @@
 //! The meaning of a script: a scenario with every name resolved, every unit converted and every element spelt out. Next on the
-//! walk: `orchestrator/src/wiring.rs`.
+//! walk: `orchestrator/flatten/src/wiring.rs`.
 //!
 //! This is the only type of the language that a run sees. It is flat on purpose: groups, vectors and conversions are
 //! gone, each connection has one scalar target, times are ticks. Reals inside expressions are SI.

@@ -18,6 +18,5 @@ pub mod cli;
 #[cfg(test)]
 mod example;
 pub mod find;
-pub mod flatten;
 pub mod host;
 pub mod run;

@@ -11,7 +11,7 @@
 #[expect(dead_code, reason = "shared with the other benchmarks")]
 mod peer;
 
-use orchestrator::flatten::wiring::Plan;
+use flatten::wiring::Plan;
 use orchestrator::run::run_options::RunOptions;
 use orchestrator::run::step_loop::{Checkpoint, Observer, StepLoop};
 use orchestrator::run::worker::{InProcess, Instantiated, Worker};

@@ -13,8 +13,8 @@ mod echo;
 mod peer;
 
 use echo::Echoes;
+use flatten::wiring::Plan;
 use orchestrator::bus::WorkerSet;
-use orchestrator::flatten::wiring::Plan;
 use orchestrator::run::message::MessageSink;
 use orchestrator::run::run_options::RunOptions;
 use orchestrator::run::run_spec::{RunSpec, UnitSpec};

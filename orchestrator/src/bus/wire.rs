@@ -16,8 +16,8 @@ pub mod open_request;
 
 pub use blocks::Blocks;
 
-use crate::flatten::values::Values;
-use crate::flatten::wiring::Ports;
+use flatten::values::Values;
+use flatten::wiring::Ports;
 use std::fmt;
 
 const MAGIC: u32 = u32::from_le_bytes(*b"LKS1");

@@ -1,12 +1,12 @@
 //! Carries out a prepared run: supervises it and writes its files.
 
-use crate::flatten::claims;
-use crate::flatten::columns;
 use crate::host::supervise::{BeginLive, RunEnd, StartWorkers, SuperviseError, supervise};
 use crate::run::message::Reason;
 use crate::run::prepared_run::PreparedRun;
 use crate::run::run_spec::RunSpec;
 use dsl::scenario::Scenario;
+use flatten::claims;
+use flatten::columns;
 use results::recorder::Recorder;
 use results::report;
 use results::report::console::{Console, Style};

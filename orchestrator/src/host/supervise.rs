@@ -10,10 +10,10 @@ mod terms;
 #[cfg(test)]
 mod tests;
 
-use crate::flatten::claims::info;
 use crate::host::watchdog::Watchdog;
 use crate::run::message::{Finish, Message, Reason};
 use crate::run::run_spec::RunSpec;
+use flatten::claims::info;
 use log_order::LogOrder;
 pub use post_mortem::{cause_of_death, failure};
 use results::TraceError;

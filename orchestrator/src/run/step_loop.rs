@@ -1,7 +1,7 @@
 //! The loop: gather, judge, events, drive, step, record, tick for tick.
 //!
 //! It reads a plan, changes a state, and allocates, hashes, formats and waits for nothing but its workers. Next on the walk:
-//! the workers' units, `fmus/<unit>/src/lib.rs`, and back through `flatten/claims/` and `orchestrator/results`.
+//! the workers' units, `fmus/<unit>/src/lib.rs`, and back through `orchestrator/flatten/src/claims/` and `orchestrator/results`.
 
 mod checkpoint;
 mod gather;
@@ -12,12 +12,12 @@ mod state;
 pub use checkpoint::Checkpoint;
 pub use observer::Observer;
 
-use crate::flatten::claims::Completeness;
-use crate::flatten::expression::{Moment, Stack, evaluate_shared};
-use crate::flatten::wiring::{Plan, Wave};
 use crate::run::message::{Finish, Reason};
 use crate::run::run_options::RunOptions;
 use crate::run::worker::{Order, Shutdown, Worker};
+use flatten::claims::Completeness;
+use flatten::expression::{Moment, Stack, evaluate_shared};
+use flatten::wiring::{Plan, Wave};
 use gather::UnderWay;
 use state::{CarriedState, State};
 use std::ops::Range;

@@ -8,8 +8,8 @@ mod in_process;
 
 pub use in_process::{InProcess, Instantiated};
 
-use crate::flatten::values::Values;
-use crate::flatten::wiring::VariableSlot;
+use flatten::values::Values;
+use flatten::wiring::VariableSlot;
 use serde::{Deserialize, Serialize};
 use unit::failure::Failure;
 

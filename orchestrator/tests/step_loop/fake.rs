@@ -4,10 +4,10 @@ use dsl::scenario::{
     Column, Connection, Drive, Event, Formula, InitialStep, Instance, Port, RealExpression, Scenario, Set, TickWindow,
     Unit,
 };
+use flatten::values::Values;
+use flatten::wiring::{InstancePorts, Plan, VariableSlot};
 use fmi2::calls::Call;
 use fmi2::description::{Causality, Kind, ModelDescription, RealAttributes, RealVariable, Variability, Variable};
-use orchestrator::flatten::values::Values;
-use orchestrator::flatten::wiring::{InstancePorts, Plan, VariableSlot};
 use orchestrator::run::message::Finish;
 use orchestrator::run::run_options::RunOptions;
 use orchestrator::run::step_loop::{Checkpoint, Observer, StepLoop};

@@ -142,9 +142,9 @@ mod tests {
     #[test]
     fn a_folder_that_uses_one_before_it_is_found() {
         let found = after("orchestrator/src/run/x.rs", "//! Something that steps.\nuse crate::host::child;\n");
-        assert_eq!(found, ["orchestrator/src/run/x.rs:2: `run` uses `host`, allowed are run, flatten"]);
+        assert_eq!(found, ["orchestrator/src/run/x.rs:2: `run` uses `host`, allowed are run"]);
         assert_eq!(
-            after("orchestrator/src/run/x.rs", "//! Something that steps.\nuse crate::flatten::wiring;\n"),
+            after("orchestrator/src/run/x.rs", "//! Something that steps.\nuse crate::run::stepping;\n"),
             Vec::<String>::new()
         );
     }

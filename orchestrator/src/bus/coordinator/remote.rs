@@ -19,12 +19,12 @@ use crate::bus::wire::open_request::{
 };
 use crate::bus::wire::{Header, Kind, Outgoing};
 use crate::bus::worker::Address;
-use crate::flatten::values::Values;
-use crate::flatten::wiring::{InstancePorts, Plan, VariableSlot};
 use crate::host::supervise::failure;
 use crate::run::message::MessageSink;
 use crate::run::run_spec::RunSpec;
 use crate::run::worker::{Lost, Order, Reply, Shutdown, Ticket, Worker};
+use flatten::values::Values;
+use flatten::wiring::{InstancePorts, Plan, VariableSlot};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -313,7 +313,7 @@ fn request(spec: &RunSpec, ports: &[(usize, InstancePorts)], groups: Vec<GroupSp
     };
     let instance_spec = |(index, ports): &(usize, InstancePorts)| {
         let instance = &spec.scenario.instances[*index];
-        let variables = |ports: &crate::flatten::wiring::Ports| {
+        let variables = |ports: &flatten::wiring::Ports| {
             let ranges = [&ports.reals, &ports.integers, &ports.booleans, &ports.texts];
             ranges.into_iter().flat_map(|range| range.variables.iter().copied()).collect()
         };

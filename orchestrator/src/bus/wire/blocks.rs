@@ -1,8 +1,8 @@
 //! Blocks of a message: each has the values of one instance's ports.
 
 use super::{Malformed, length};
-use crate::flatten::values::Values;
-use crate::flatten::wiring::Ports;
+use flatten::values::Values;
+use flatten::wiring::Ports;
 
 /// The blocks of a received message, read one after the other.
 #[derive(Debug)]

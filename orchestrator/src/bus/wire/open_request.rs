@@ -1,11 +1,11 @@
 //! The extras of messages: handshake, request of instances, initial values, log messages and failures.
 
-use crate::flatten::values::{Slot, ValueType, Values};
-use crate::flatten::wiring::VariableSlot;
 use crate::run::message::Message;
 use crate::run::run_spec::path_bytes;
 use crate::run::worker::{Lost, Terminated};
 use dsl::scenario::Preset;
+use flatten::values::{Slot, ValueType, Values};
+use flatten::wiring::VariableSlot;
 use fmi2::description::ModelDescription;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};

@@ -1,7 +1,7 @@
 //! Messages are decoded as they were encoded, and invalid bytes are rejected without a panic.
 
 use super::*;
-use crate::flatten::wiring::VariableRange;
+use flatten::wiring::VariableRange;
 use proptest::prelude::*;
 
 /// The ports of an instance with so many variables of each type, whose values begin at index 1.

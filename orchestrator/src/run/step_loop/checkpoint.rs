@@ -4,10 +4,10 @@
 //! a run can continue in other workers than it was saved in.
 
 use super::{CarriedState, Observer, StepLoop, UnderWay};
-use crate::flatten::values::Values;
-use crate::flatten::wiring::{Group, InstancePorts, Plan};
 use crate::run::worker::{Reply, Terminated};
 use dsl::scenario::Scenario;
+use flatten::values::Values;
+use flatten::wiring::{Group, InstancePorts, Plan};
 use fmi2::description::ModelDescription;
 use results::checkpoint::CheckpointError;
 use serde::{Deserialize, Serialize};

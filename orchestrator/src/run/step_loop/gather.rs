@@ -1,10 +1,10 @@
 //! Takes replies: when each is awaited, where its values are stored, and how a run ends by one.
 
 use super::{CarriedState, Observer, State, StepLoop};
-use crate::flatten::values::Values;
-use crate::flatten::wiring::Group;
 use crate::run::message::{Finish, Reason};
 use crate::run::worker::{Lost, Reply, Terminated, Ticket, Worker};
+use flatten::values::Values;
+use flatten::wiring::Group;
 use std::ops::Range;
 use unit::failure::Failure;
 

@@ -1,8 +1,8 @@
 //! Initialization: `->` and `=>` carry values along the units' declared dependencies, then the outputs at tick 0.
 
 use super::{Observer, State, StepLoop};
-use crate::flatten::expression::{Moment, evaluate_shared};
-use crate::flatten::wiring::InitialCall;
+use flatten::expression::{Moment, evaluate_shared};
+use flatten::wiring::InitialCall;
 use unit::failure::Failure;
 
 impl<W: Observer> StepLoop<'_, W> {

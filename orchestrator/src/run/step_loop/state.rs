@@ -1,10 +1,10 @@
 //! All that changes during a run outside of the instances.
 
 use super::UnderWay;
-use crate::flatten::claims::ClaimsMemory;
-use crate::flatten::values::Values;
-use crate::flatten::wiring::{OverrideState, Plan};
 use crate::run::worker::Terminated;
+use flatten::claims::ClaimsMemory;
+use flatten::values::Values;
+use flatten::wiring::{OverrideState, Plan};
 use serde::{Deserialize, Serialize};
 
 /// The state of a run. With the saved states of the instances it is a checkpoint.

@@ -1,8 +1,8 @@
 //! The worker that holds its instances in this process: an order is a few calls through function pointers.
 
 use super::{Lost, Order, Reply, Shutdown, Terminated, Ticket, Worker};
-use crate::flatten::values::{ValueType, Values};
-use crate::flatten::wiring::{Group, InstancePorts, Ports, VariableRange, VariableSlot};
+use flatten::values::{ValueType, Values};
+use flatten::wiring::{Group, InstancePorts, Ports, VariableRange, VariableSlot};
 use std::ops::Range;
 use unit::board::{Note, Now};
 use unit::failure::Failure;
@@ -335,7 +335,7 @@ impl Scattered {
 
 #[test]
 fn variables_are_read_by_type_and_their_values_stored_in_their_slots() {
-    use crate::flatten::values::Slot;
+    use flatten::values::Slot;
     let slot = |base, index, variable| VariableSlot { slot: Slot { base, index }, variable };
     let (real, integer) = (ValueType::Real, ValueType::Integer);
     let [reals, integers, booleans, texts] = by_type(&[slot(real, 3, 30), slot(integer, 0, 31), slot(real, 1, 10)]);

@@ -2,7 +2,7 @@
 
 use super::judged::{Decision, Join, Joined, Judged};
 use super::memory::{ClaimsMemory, Layout};
-use crate::flatten::expression::{Moment, Program, SlotOf, Stack};
+use crate::expression::{Moment, Program, SlotOf, Stack};
 use dsl::scenario::Formula;
 use std::ops::Range;
 

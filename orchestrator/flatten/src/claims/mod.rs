@@ -15,7 +15,7 @@ mod window;
 
 pub use memory::ClaimsMemory;
 
-use crate::flatten::expression::{Moment, SlotOf, Stack};
+use crate::expression::{Moment, SlotOf, Stack};
 use claim::AtStart;
 use dsl::scenario::Claim;
 use memory::Layout;

@@ -1,7 +1,7 @@
 //! Where the values of a row of the trace come from: for each column the slot of its value.
 
 use super::slot_table::SlotTable;
-use crate::flatten::values::{Slot, ValueType, Values};
+use crate::values::{Slot, ValueType, Values};
 use dsl::scenario::Column;
 use unit::board::RowWriter;
 

@@ -5,7 +5,7 @@ use super::history::History;
 use super::judged::{Decision, Join, Joined};
 use super::memory::{ClaimsMemory, Layout};
 use super::stream::{Atom, Sample, Stream, is_bounded};
-use crate::flatten::expression::SlotOf;
+use crate::expression::SlotOf;
 use dsl::scenario::{Formula, TickWindow};
 use results::verdict::{Standing, Verdict};
 

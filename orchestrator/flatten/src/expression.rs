@@ -8,7 +8,7 @@ pub use compile::SlotOf;
 #[cfg(test)]
 mod tests;
 
-use crate::flatten::values::Values;
+use crate::values::Values;
 use dsl::scenario::{Curve, Function};
 
 /// What a program reads: the state of a run at one time.

@@ -1,7 +1,7 @@
 //! Tests of compiled expressions.
 
 use super::{Moment, Program, Stack};
-use crate::flatten::values::{Slot, ValueType, Values};
+use crate::values::{Slot, ValueType, Values};
 use dsl::scenario::{BooleanExpression as B, Function, Margin, Operand, Port, RealExpression as E, Value};
 use proptest::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Which instances step and deliver together: one order and one reply for each group.
 
-use crate::flatten::values::Ranges;
+use crate::values::Ranges;
 use dsl::scenario::Scenario;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;

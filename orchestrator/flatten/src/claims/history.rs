@@ -7,7 +7,7 @@ use super::judged::{Decision, Join, Joined};
 use super::memory::{ClaimsMemory, Layout};
 use super::stream::{Sample, Stream, horizon, is_bounded};
 use super::window::Window;
-use crate::flatten::expression::SlotOf;
+use crate::expression::SlotOf;
 use dsl::scenario::{Formula, TickWindow};
 
 /// A formula of which the values of its bounded parts are stored.

@@ -1,8 +1,8 @@
 //! What connections bring to the inputs of a group: plain copies, merged into contiguous ranges, and computed values.
 
 use super::slot_table::SlotTable;
-use crate::flatten::expression::{Moment, Program, Stack};
-use crate::flatten::values::{Slot, ValueType, Values};
+use crate::expression::{Moment, Program, Stack};
+use crate::values::{Slot, ValueType, Values};
 use dsl::scenario::{Connection, Drive};
 
 /// All connections of one kind into one group.

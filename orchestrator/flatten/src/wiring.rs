@@ -16,9 +16,9 @@ pub use groups::Group;
 pub use row_layout::RowLayout;
 pub use slot_table::{InstancePorts, Ports, VariableRange, VariableSlot};
 
-use crate::flatten::claims::Claims;
-use crate::flatten::expression::Program;
-use crate::flatten::values::{Slot, Values, start_value};
+use crate::claims::Claims;
+use crate::expression::Program;
+use crate::values::{Slot, Values, start_value};
 use dsl::scenario::{InitialStep, Port, Scenario};
 use fmi2::description::ModelDescription;
 use slot_table::SlotTable;

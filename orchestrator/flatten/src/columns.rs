@@ -1,6 +1,6 @@
 //! The metadata of each recorded column, from the scenario and the descriptions of its units.
 
-use crate::flatten::values::ValueType;
+use crate::values::ValueType;
 use dsl::scenario::{Column, Scenario};
 use fmi2::description::{Kind, ModelDescription, Variable};
 use results::signals::{Signal, SlotType};
@@ -51,19 +51,49 @@ fn slot_type(value_type: ValueType) -> SlotType {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 mod tests {
     use super::*;
-    use crate::example;
-    use dsl::scenario::Port;
+    use dsl::scenario::{Instance, Port, Unit};
     use results::signals::{csv_columns, json, time};
+
+    const DESCRIPTION: &[u8] = br#"<fmiModelDescription fmiVersion="2.0" modelName="q" guid="g">
+      <CoSimulation modelIdentifier="q"/>
+      <UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit></UnitDefinitions>
+      <TypeDefinitions><SimpleType name="Method"><Enumeration>
+        <Item name="grid" value="1"/><Item name="ant_colony" value="2"/>
+      </Enumeration></SimpleType></TypeDefinitions>
+      <ModelVariables>
+        <ScalarVariable name="height" valueReference="0" causality="output" description="Height over ground">
+          <Real unit="m"/>
+        </ScalarVariable>
+        <ScalarVariable name="method" valueReference="1" causality="output" variability="discrete">
+          <Enumeration declaredType="Method"/>
+        </ScalarVariable>
+      </ModelVariables>
+      <ModelStructure/>
+    </fmiModelDescription>"#;
 
     #[test]
     fn each_column_has_unit_instance_causality_description_and_items() {
-        let mut scenario = example::scenario();
-        for (name, variable) in [("quad.height", 0), ("quad.method", 1)] {
-            scenario.columns.push(Column { name: name.to_owned(), port: Port { instance: 0, variable } });
-        }
-        let description = example::description();
+        let column =
+            |(name, variable): (&str, usize)| Column { name: name.to_owned(), port: Port { instance: 0, variable } };
+        let scenario = Scenario {
+            title: "Quadcopter flies".to_owned(),
+            step_ns: 10_000_000,
+            stop_tick: 9000,
+            parameters: vec![],
+            units: vec![Unit { name: "quadcopter".to_owned() }],
+            instances: vec![Instance { name: "quad".to_owned(), unit: 0, every: 1, wave: 0, presets: vec![] }],
+            initialization: vec![],
+            connections: vec![],
+            events: vec![],
+            conditions: vec![],
+            shared: vec![],
+            claims: vec![],
+            columns: [("quad.height", 0), ("quad.method", 1)].map(column).into(),
+        };
+        let (description, _) = fmi2::description::read::read(DESCRIPTION).unwrap();
         let signals: Vec<_> = std::iter::once(time()).chain(of(&scenario, |_| &description)).collect();
         insta::assert_snapshot!(json(&signals));
         let types: Vec<_> = csv_columns(&signals).into_iter().map(|column| column.slot_type).collect();

@@ -2,8 +2,8 @@
 
 use super::judged::{Decision, Join, Joined, Judged};
 use super::{Claims, ClaimsMemory, Completeness};
-use crate::flatten::expression::{Moment, Stack};
-use crate::flatten::values::{Slot, ValueType, Values};
+use crate::expression::{Moment, Stack};
+use crate::values::{Slot, ValueType, Values};
 use dsl::scenario::{BooleanExpression, Claim, Formula, Margin, Port, RealExpression, TickWindow};
 use proptest::prelude::*;
 use results::verdict::{Standing, Verdict};

@@ -3,8 +3,8 @@
 use super::feed::Computed;
 use super::groups::Group;
 use super::slot_table::SlotTable;
-use crate::flatten::expression::{Moment, Stack};
-use crate::flatten::values::{Slot, ValueType, Values};
+use crate::expression::{Moment, Stack};
+use crate::values::{Slot, ValueType, Values};
 use dsl::scenario::{Port, Scenario, Trigger, Value};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,7 +1,7 @@
 //! The slot of each value: ordered by group, instance and variable, inputs and outputs in separate arrays.
 
 use super::groups::Group;
-use crate::flatten::values::{Ranges, Slot, ValueType, Values};
+use crate::values::{Ranges, Slot, ValueType, Values};
 use dsl::scenario::{InitialStep, Port, Scenario};
 use fmi2::description::{Causality, ModelDescription};
 use std::collections::{BTreeMap, BTreeSet};

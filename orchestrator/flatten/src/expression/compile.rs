@@ -1,7 +1,7 @@
 //! Compiles expressions to programs.
 
 use super::{Binary, Operation, Program, Text, Unary};
-use crate::flatten::values::{Slot, ValueType};
+use crate::values::{Slot, ValueType};
 use dsl::scenario::{BooleanExpression, Curve, Function, Margin, Operand, Port, RealExpression, Value};
 
 /// Returns the slot of a port; called for every signal of an expression.
