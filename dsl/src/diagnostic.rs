@@ -20,7 +20,7 @@ pub enum Severity {
 pub struct Label {
     /// The part.
     pub span: Span,
-    /// What it is or gives; may be empty where the message says it all.
+    /// What it is or gives; may be empty where the message is enough.
     pub text: String,
 }
 
@@ -133,7 +133,7 @@ fn grouped(count: usize) -> String {
     grouped
 }
 
-/// Message, one excerpt for each text that the labels lie in, and help.
+/// Message, one excerpt for each text that has labels, and help.
 fn picture<'a>(sources: &'a Sources, diagnostic: &'a Diagnostic) -> Group<'a> {
     let level = match diagnostic.severity {
         Severity::Error => Level::ERROR,
@@ -153,7 +153,7 @@ fn picture<'a>(sources: &'a Sources, diagnostic: &'a Diagnostic) -> Group<'a> {
     }
 }
 
-/// The lines of one text that labels lie in.
+/// The lines of one text that have labels.
 fn excerpt<'a>(sources: &'a Sources, labels: &'a [Label], text: u32) -> Snippet<'a, Annotation<'a>> {
     let marked = || labels.iter().enumerate().filter(|(_, label)| label.span.text == text);
     let (lines, source) = (sources.source(text), sources.text(text));

@@ -1,4 +1,4 @@
-//! What a script names outside its own text: units, other texts and tables, asked for through a trait.
+//! What a script names outside its own text: units, other texts and tables, loaded through a trait.
 //!
 //! The crate opens no file. The command line reads from disk, tests from memory, an editor from its buffers.
 
@@ -8,8 +8,8 @@ use fmi2::description::ModelDescription;
 
 use crate::source::Source;
 
-/// Answers what a script asks for. `from` is the text that names something: paths are relative to its place. The same question
-/// is answered in the same way for as long as a script is resolved, and the resolver asks it once.
+/// Loads what a script names. `from` is the text that names it: paths are relative to its folder. While a script is resolved,
+/// equal calls return equal results, and the resolver makes each call once.
 pub trait Loader: Sync {
     /// The description of a unit by the text of an `fmu` line: a path that ends in `.fmu`, or a name.
     ///
@@ -17,13 +17,13 @@ pub trait Loader: Sync {
     /// Why the unit cannot be used.
     fn unit(&self, from: &Source, name: &str) -> Result<Arc<ModelDescription>, Problem>;
 
-    /// The text of a part, which `use x = "part.scn"` names. `use` is not known yet, so nothing asks for it.
+    /// The text of a part, which `use x = "part.scn"` names. `use` is not known yet, so nothing calls this.
     ///
     /// # Errors
     /// Why the text cannot be read.
     fn text(&self, from: &Source, path: &str) -> Result<Source, Problem>;
 
-    /// A table of values over time, which `curve("in.csv", "u")` names. `curve` is not known yet, so nothing asks for it.
+    /// A table of values over time, which `curve("in.csv", "u")` names. `curve` is not known yet, so nothing calls this.
     ///
     /// # Errors
     /// Why the table cannot be read.

@@ -1,6 +1,6 @@
 //! The name that was probably meant.
 
-/// The candidate with the fewest edits from what was written; `None` where nothing is near enough to be a slip.
+/// The candidate with the fewest edits from what was written; `None` where nothing is near enough to be a misspelling.
 #[must_use]
 pub fn nearest<'n>(written: &str, candidates: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
     let most_edits = (written.chars().count() / 3).max(1);
@@ -15,7 +15,7 @@ fn distance(left: &str, right: &str) -> usize {
     strsim::osa_distance(&left.to_ascii_lowercase(), &right.to_ascii_lowercase())
 }
 
-/// How often each letter stands in a name, which is quicker to compare than the name: letters that differ by 64 count as
+/// How often each letter occurs in a name, which is quicker to compare than the name: letters that differ by 64 count as
 /// one, and so do upper and lower case.
 struct Letters([u8; 64]);
 
@@ -49,7 +49,7 @@ pub(crate) fn listed<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
 }
 
 #[test]
-fn a_slip_of_one_letter_finds_the_name() {
+fn a_misspelling_of_one_letter_finds_the_name() {
     let names = ["position", "velocity", "mass"];
     assert_eq!(nearest("positon", names), Some("position"));
     assert_eq!(nearest("psoition", names), Some("position"));

@@ -360,7 +360,7 @@ pub struct Limit {
     pub upper: bool,
 }
 
-/// A claim's meaning in negation normal form: `not` stands in atoms only, so that not-a-number fails under it too.
+/// A claim's meaning in negation normal form: `not` is in atoms only, so that not-a-number fails under it too.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Formula {
     /// A comparison with a margin.

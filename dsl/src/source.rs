@@ -14,7 +14,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// The smallest span that covers both, which lie in one text.
+    /// The smallest span that covers both, which are in one text.
     #[must_use]
     pub fn to(self, other: Self) -> Self {
         Self { text: self.text, start: self.start.min(other.start), end: self.end.max(other.end) }
@@ -53,13 +53,13 @@ impl Source {
         Self { name: name.into(), text, lines }
     }
 
-    /// The line, from 1, that a byte lies in.
+    /// The line, from 1, that contains a byte.
     #[must_use]
     pub fn line(&self, byte: usize) -> usize {
         self.lines.partition_point(|start| *start <= byte)
     }
 
-    /// The first byte of the line that a byte lies in.
+    /// The first byte of the line that contains a byte.
     #[must_use]
     pub fn line_start(&self, byte: usize) -> usize {
         self.lines[self.line(byte) - 1]
@@ -99,7 +99,7 @@ impl Sources {
         &self.source(text).name
     }
 
-    /// The text that a span lies in.
+    /// The text that contains a span.
     #[must_use]
     pub fn of(&self, span: Span) -> &Source {
         self.source(span.text)

@@ -1,7 +1,7 @@
 //! What was written: a tree with spans, before any name means anything. Next on the walk: `resolve/`.
 //!
-//! The tree holds the whole language, also the statements that a run does not know yet; refusing those is the
-//! resolver's part.
+//! The tree holds the whole language, also the statements that a run does not know yet; the resolver
+//! refuses those.
 
 use crate::source::Span;
 
@@ -10,7 +10,7 @@ use crate::source::Span;
 pub struct Word {
     /// The text, without quotes.
     pub text: String,
-    /// Where it stands, quotes included.
+    /// Its place, quotes included.
     pub span: Span,
 }
 
@@ -93,7 +93,7 @@ pub enum StatementKind {
         source: Expression,
         /// Which arrow.
         arrow: Arrow,
-        /// Where the arrow stands.
+        /// The place of the arrow.
         arrow_span: Span,
         /// The right sides.
         targets: Vec<Path>,
@@ -109,7 +109,7 @@ pub struct Binding {
     pub value: Expression,
 }
 
-/// The right-hand parts of `fmu` and `use`; clauses that stand twice are kept for the resolver to refuse.
+/// The right-hand parts of `fmu` and `use`; repeated clauses are kept for the resolver to refuse.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instance {
     /// The name in the script.
@@ -183,7 +183,7 @@ pub struct Axis {
 /// `->` or `=>`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Arrow {
-    /// `->`: where the source stood when the step began.
+    /// `->`: the value of the source when the step began.
     Held,
     /// `=>`: the source steps first.
     Direct,
@@ -233,7 +233,7 @@ pub struct Expression {
     pub kind: ExpressionKind,
     /// From its first to its last character.
     pub span: Span,
-    /// Whether it stands in parentheses of its own.
+    /// Whether it has parentheses of its own.
     pub parenthesised: bool,
 }
 
@@ -305,7 +305,7 @@ pub enum ExpressionKind {
     Temporal {
         /// The keyword.
         word: TemporalWord,
-        /// Where the word stands.
+        /// The place of the word.
         word_span: Span,
         /// The window; for `hold for d` it is `within d`.
         span: Option<TimeSpan>,
@@ -319,7 +319,7 @@ pub enum ExpressionKind {
 pub struct ComparisonLink {
     /// The operator.
     pub operator: Comparator,
-    /// Where it stands.
+    /// Its place.
     pub operator_span: Span,
     /// The right operand.
     pub operand: Expression,

@@ -76,12 +76,12 @@ pub fn windows(count: usize) -> String {
     format!("scenario \"Large\"\nstep 1 ms\nstop {} ms\nfmu a = \"small\" {{ u[1] = 1 m }}\n{windows}", count + 10)
 }
 
-/// `count` lines of which none is a statement.
+/// `count` lines that are not statements.
 pub fn syntax_errors(count: usize) -> String {
     format!("{HEAD}{}", each(count, |text, n| writeln!(text, "let a{n} {n}")))
 }
 
-/// A unit with so many inputs and as many outputs, which name no dependencies.
+/// A unit with `ports` inputs and `ports` outputs, which name no dependencies.
 pub fn description(ports: usize) -> String {
     let variables = each(ports, |text, n| {
         write!(
@@ -123,7 +123,7 @@ pub struct Units {
     large: Arc<ModelDescription>,
 }
 
-/// Units with two ports and with so many.
+/// Units with two and with `ports` ports.
 pub fn units(ports: usize) -> Units {
     let unit = |ports| match read(description(ports).as_bytes()) {
         Ok((read, _)) => Arc::new(read),

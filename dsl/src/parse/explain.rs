@@ -9,7 +9,7 @@ use super::{lines, mistakes, scan};
 use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
 
-/// An error, and where parsing goes on.
+/// An error, and where parsing continues.
 pub(super) struct Explained {
     /// The error.
     pub diagnostic: Diagnostic,
@@ -110,7 +110,7 @@ fn expected(failure: &Failure<'_>) -> String {
     if failure.expects("*") { "an operator or the end of the line" } else { "the end of the line" }.to_owned()
 }
 
-/// What kind of value could have come.
+/// What kind of value was expected.
 fn value(failure: &Failure<'_>) -> &'static str {
     let statement = lines::first_word(failure.before());
     match failure.previous() {
@@ -128,7 +128,7 @@ fn words_behind_values() -> impl Iterator<Item = &'static str> {
     words(&[Use::Action, Use::Clause, Use::Conversion, Use::Joint]).chain(["for"])
 }
 
-/// The brackets, signs and words of the statement that could have come; operators are not listed.
+/// The brackets, signs and words of the statement that were expected; operators are not listed.
 fn structure(failure: &Failure<'_>) -> Vec<&'static str> {
     const SIGNS: [&str; 11] = ["->", "=>", "=", ":", "~", "{", "}", ")", "]", ",", "\""];
     // `in` without `as` is that of a range.

@@ -1,4 +1,4 @@
-//! What a failed match knows: where, in which statement, what was found there and what could have come.
+//! A failed match: where, in which statement, what was found there and what was expected.
 
 use std::collections::BTreeSet;
 
@@ -29,14 +29,14 @@ pub(super) struct Failure<'a> {
     pub text: u32,
     /// The first byte that does not fit.
     pub at: usize,
-    /// Where the statement begins that `at` lies in.
+    /// Where the statement that contains `at` begins.
     pub statement: usize,
-    /// What could have stood at `at`, in the grammar's spelling.
+    /// The tokens that were expected at `at`, in the grammar's spelling.
     pub expected: BTreeSet<String>,
 }
 
 impl<'a> Place<'a> {
-    /// Reads pest's account of a failed match.
+    /// Reads pest's error of a failed match.
     pub fn failure(&self, error: &Error<Rule>) -> Failure<'a> {
         let rule_at = rule_position(error);
         let attempts = error.parse_attempts();
@@ -60,7 +60,7 @@ impl<'a> Place<'a> {
         Failure { from: self.from, blanked: self.blanked, text: self.text, at, statement, expected }
     }
 
-    /// Where a line should have gone on, if the next statement begins at a byte.
+    /// Where a line should have continued, if the next statement begins at a byte.
     fn end_of_broken_line(&self, at: usize) -> usize {
         let line = lines::line_start(self.blanked, at).max(self.from);
         let first_in_line = self.blanked[line..at].trim().is_empty();
@@ -71,7 +71,7 @@ impl<'a> Place<'a> {
         at
     }
 
-    /// Where the statement begins that a failure at a byte lies in.
+    /// Where the statement that contains a failure at a byte begins.
     fn statement(&self, at: usize, expected: &BTreeSet<String>) -> usize {
         if expected.contains("scenario") {
             return at;
@@ -93,7 +93,7 @@ fn rule_position(error: &Error<Rule>) -> usize {
     }
 }
 
-/// The furthest byte that a failed match came to.
+/// The furthest byte that a failed match reached.
 pub(super) fn position(error: &Error<Rule>) -> usize {
     error.parse_attempts().map_or(0, |attempts| attempts.max_position).max(rule_position(error))
 }
@@ -116,7 +116,7 @@ fn first_tokens(rule: Rule) -> Vec<String> {
     tokens.iter().map(|&token| token.to_owned()).collect()
 }
 
-/// The first byte of the token that a match got stuck in, which came to `at` when it tried the rule at `rule_at`.
+/// The first byte of the token at which a match failed, which reached `at` when it tried the rule at `rule_at`.
 fn token_start(text: &str, rule_at: usize, at: usize, expected: &BTreeSet<String>) -> usize {
     let (before, after) = text.split_at(at);
     let word = before.trim_end_matches(is_word).len();
@@ -139,23 +139,23 @@ fn in_sign(text: &str, at: usize) -> bool {
     }
 }
 
-/// Whether a character may stand in a word, though not always in a name.
+/// Whether a character may occur in a word, though not always in a name.
 pub(super) fn is_word(c: char) -> bool {
     c == '_' || c.is_alphanumeric()
 }
 
 impl<'a> Failure<'a> {
-    /// Whether a token could have come.
+    /// Whether a token was expected.
     pub fn expects(&self, token: &str) -> bool {
         self.expected.contains(token)
     }
 
-    /// Whether a value could have come.
+    /// Whether a value was expected.
     pub fn expects_value(&self) -> bool {
         self.expects("(") && self.expects("\"")
     }
 
-    /// Whether a name could have come, and no value.
+    /// Whether a name was expected, and no value.
     pub fn expects_name(&self) -> bool {
         self.expects("_") && self.expects("A..Z") && !self.expects("(")
     }
@@ -175,7 +175,7 @@ impl<'a> Failure<'a> {
         self.blanked[self.statement..lines::line_end(self.blanked, self.at)].trim_end()
     }
 
-    /// What stands at the place of the failure: a word, number, symbol or text; empty at the end of a line.
+    /// The token at the place of the failure: a word, number, symbol or text; empty at the end of a line.
     pub fn found(&self) -> &'a str {
         token(self.rest())
     }

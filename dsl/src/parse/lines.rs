@@ -1,4 +1,4 @@
-//! Where statements begin: what recovery after a syntax error, and the line that an error names, go by.
+//! Where statements begin, for recovery after a syntax error and for the line that an error names.
 
 use super::wording::{Use, is_statement_word, usage};
 use crate::source::Span;
@@ -24,7 +24,7 @@ pub(super) fn first_word_begins_statement(line: &str) -> bool {
     is_statement_word(word) && !is_key
 }
 
-/// Whether the text of a line goes on with the statement of the line before.
+/// Whether a line continues the statement of the line before.
 pub(super) fn continues(next: &str) -> bool {
     usage(first_word(next)) == Some(Use::Joint) || next.starts_with("->") || next.starts_with("=>")
 }
@@ -55,17 +55,17 @@ pub(super) fn without_line_break(text: &str) -> Option<&str> {
     text.strip_suffix("\r\n").or_else(|| text.strip_suffix(['\n', '\r']))
 }
 
-/// The first byte of the line that a position lies in.
+/// The first byte of the line that contains a position.
 pub(super) fn line_start(text: &str, at: usize) -> usize {
     text[..at].rfind(['\n', '\r']).map_or(0, |line_break| line_break + 1)
 }
 
-/// One past the last byte of the line that a position lies in, without its line break.
+/// One past the last byte of the line that contains a position, without its line break.
 pub(super) fn line_end(text: &str, at: usize) -> usize {
     text[at..].find(['\n', '\r']).map_or(text.len(), |length| at + length)
 }
 
-/// The first byte of the statement that a position lies in, not before `from`.
+/// The first byte of the statement that contains a position, not before `from`.
 pub(super) fn statement_start(text: &str, from: usize, at: usize) -> usize {
     let mut start = line_start(text, at).max(from);
     while start > from && !begins_statement(&text[start..line_end(text, start)]) {

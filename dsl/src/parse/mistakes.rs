@@ -34,7 +34,7 @@ fn error(failure: &Failure<'_>, message: impl Into<String>) -> Diagnostic {
     Diagnostic::error("E00", failure.span(), message)
 }
 
-/// A bracket that is still open where a line, the text or an outer bracket ends, and where parsing goes on.
+/// A bracket that is still open where a line, the text or an outer bracket ends, and where parsing continues.
 pub(super) fn unclosed(failure: &Failure<'_>) -> Option<(Diagnostic, usize)> {
     let text = failure.blanked;
     let open = failure.open_brackets();

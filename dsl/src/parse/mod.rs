@@ -30,8 +30,8 @@ use crate::syntax::{Binding, File};
 /// A text, read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Parsed {
-    /// The tree as far as it goes: of a statement with a syntax error nothing is kept, and what stands behind the error in a
-    /// block stands outside of it. A tree with errors is for editors; its meaning would have errors that the whole script
+    /// The tree as far as it goes: of a statement with a syntax error nothing is kept, and what follows the error in a
+    /// block is outside of it. A tree with errors is for editors; its meaning would have errors that the whole script
     /// does not have.
     pub file: File,
     /// Every syntax error, in the text's order.
@@ -71,7 +71,7 @@ pub fn parse(sources: &Sources, text: u32) -> Parsed {
 }
 
 /// Matches what follows a byte, in a window that grows: pest's own search for an error's line runs from the end of the text
-/// that it is given, which for many errors in a long text would take time by the square.
+/// it is given, which for many errors in a long text would take quadratic time.
 fn match_rest(blanked: &str, from: usize) -> Matched<'_> {
     const FIRST_WINDOW_BYTES: usize = 4096;
     let mut window_bytes = FIRST_WINDOW_BYTES;
@@ -118,7 +118,7 @@ type Matched<'i> = Result<Pair<'i, Rule>, Box<pest::error::Error<Rule>>>;
 fn match_rule(rule: Rule, text: &str) -> Matched<'_> {
     let matched = Grammar::parse(rule, text).or_else(|error| match error.parse_attempts() {
         Some(_) => Err(error),
-        // Without it pest reports which rule failed, but not how far the match came; texts without errors parse faster so.
+        // Without it pest does not report how far the match came; valid texts parse faster without it.
         None => {
             pest::set_error_detail(true);
             Grammar::parse(rule, text)
@@ -127,7 +127,7 @@ fn match_rule(rule: Rule, text: &str) -> Matched<'_> {
     matched.map_err(Box::new).map(tree::only)
 }
 
-/// Does work with a stack that carries the deepest nesting allowed, whatever the caller's stack.
+/// Runs `work` with a stack for the deepest nesting allowed, independent of the caller's stack.
 pub(crate) fn with_stack<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     const STACK_BYTES: usize = 64 << 20;
     thread::scope(|scope| {

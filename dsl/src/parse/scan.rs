@@ -1,7 +1,7 @@
 //! What happens to a text before the grammar sees it: comments, and line breaks inside brackets, become blanks.
 //!
 //! Every byte keeps its place. The scan also checks two rules that the grammar cannot express: the limit of
-//! nesting, and that a sign stands at its number.
+//! nesting, and that no blank separates a sign from its number.
 
 use super::lines;
 use super::wording::{Use, usage};

@@ -50,11 +50,11 @@ pub(super) enum Use {
     Action,
     /// It begins a clause of a statement.
     Clause,
-    /// It joins two conditions, and may begin the line behind the first.
+    /// It joins two conditions, and may begin the line after the first.
     Joint,
-    /// It stands before a condition and makes it another one.
+    /// A prefix operator on a condition.
     Prefix,
-    /// It stands between a value and a unit of measure, `in` also before a range.
+    /// Between a value and a unit of measure; `in` also before a range.
     Conversion,
     /// It is a value.
     Value,
@@ -74,7 +74,7 @@ const fn keyword(word: &'static str, rule: Rule, usage: Use) -> Keyword {
     Keyword { word, rule, usage }
 }
 
-/// All words of the language, which cannot be names. The rule `word` of the grammar lists them too, as a test holds.
+/// All words of the language, which cannot be names. The rule `word` of the grammar lists them too, which a test checks.
 pub(super) const KEYWORDS: [Keyword; 34] = [
     keyword("scenario", Rule::SCENARIO, Use::Statement),
     keyword("step", Rule::STEP, Use::Statement),

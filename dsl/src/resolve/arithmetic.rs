@@ -122,7 +122,7 @@ impl Scope<'_, '_> {
         }
     }
 
-    /// What both measure; reports a difference as `cannot {verb} a length and a time`, a quantity beside a variable
+    /// The measure of both; reports a difference as `cannot {verb} a length and a time`, a quantity beside a variable
     /// without unit as a warning.
     pub fn unified(&self, pair: Pair<'_>, code: &'static str, verb: &str) -> Option<Measure> {
         let ((left, left_span), (right, right_span)) = (pair.left, pair.right);

@@ -12,7 +12,7 @@ use crate::syntax::{Expression, Name, TemporalWord};
 use super::measure::quantity;
 use super::real;
 
-/// A claim keeps values of so many steps at most; more would not fit into memory beside the run.
+/// The most steps of which a claim keeps values; more would not fit into memory with the run.
 const MOST_STEPS_AHEAD: u64 = 10_000_000;
 
 impl Scope<'_, '_> {
@@ -89,7 +89,7 @@ fn too_far(name: &Name, steps: u64) -> Diagnostic {
 }
 
 impl Condition {
-    /// All comparisons of reals, each with whether it stands under an odd number of `not`.
+    /// All comparisons of reals, each with whether it is under an odd number of `not`.
     fn collect_bounds<'c>(&'c self, negated: bool, bounds: &mut Vec<(&'c Bound, bool)>) {
         match self {
             Self::Plain(_) => {}

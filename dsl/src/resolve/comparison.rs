@@ -136,7 +136,7 @@ impl Scope<'_, '_> {
         Some(real::combine(Operator::Subtract, tolerance_value.expression, distance.expression))
     }
 
-    /// The comparison of plain numbers that E10 advises, `x / c < 1`, which turns round below zero and ends there.
+    /// The comparison of plain numbers that E10 advises, `x / c < 1`, which reverses below zero and ends there.
     fn scaled(&self, sides: &Sides<'_>, is_left: bool) -> Option<String> {
         let (of, limit) = if is_left { (sides.left, sides.right) } else { (sides.right, sides.left) };
         let is_simple = of.parenthesised || matches!(of.kind, ExpressionKind::Path(_) | ExpressionKind::Call { .. });

@@ -83,7 +83,7 @@ impl Scope<'_, '_> {
         elements.into_iter().collect::<Option<_>>().map(Meaning::List)
     }
 
-    /// Gives plain numbers the unit that stands behind their list.
+    /// Gives plain numbers the unit that follows their list.
     fn with_unit(&self, meaning: &Meaning, base: BaseUnit, name: &str, span: Span) -> Option<Rc<Meaning>> {
         let given = match meaning {
             Meaning::List(elements) => {
@@ -138,7 +138,7 @@ impl Scope<'_, '_> {
         }
     }
 
-    /// Follows what stands behind the name of a `let` or `param`.
+    /// Follows the path after the name of a `let` or `param`.
     fn narrowed(&self, meaning: Option<Rc<Meaning>>, path: &Path) -> Option<Rc<Meaning>> {
         self.narrowed_by(meaning?, &path.tail, path)
     }

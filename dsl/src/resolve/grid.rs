@@ -16,14 +16,14 @@ pub(super) struct Grid {
     pub step_ns: u64,
 }
 
-/// How far the grid has been worked out.
+/// How far the grid has been computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Known {
-    /// Not yet asked for.
+    /// Not yet needed.
     NotYet,
-    /// Asked for while `step` itself is worked out.
+    /// Needed while `step` itself is computed.
     InWork,
-    /// Worked out; `None` if the script does not say a usable `step`.
+    /// Computed; `None` if the script has no usable `step`.
     Yes(Option<Grid>),
 }
 
@@ -57,7 +57,7 @@ impl Written {
 }
 
 impl Scope<'_, '_> {
-    /// The grid; `None` if the script does not say a usable `step`.
+    /// The grid; `None` if the script has no usable `step`.
     pub fn grid(&self) -> Option<Grid> {
         let step = self.script.step?;
         match self.grid.get() {

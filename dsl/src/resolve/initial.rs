@@ -16,7 +16,7 @@ enum Task {
     Get(Port),
     /// Set the target of a connection, by its index.
     Set(usize),
-    /// Wait until all connections into an instance are set. It stands between them and the ports that depend on all inputs,
+    /// Wait until all connections into an instance are set. It is between them and the ports that depend on all inputs,
     /// so that n inputs and m such ports make n + m waits.
     AllSet(usize),
 }
@@ -81,7 +81,7 @@ impl Plan {
         }
     }
 
-    /// One task waits for another no more.
+    /// One task no longer waits for another.
     fn release(&mut self, waiting: Task, awaited: Task, connections: &[Wired]) {
         let Some(waits_for) = self.waits.get_mut(&waiting) else { return };
         if !waits_for.remove(&awaited) || !waits_for.is_empty() {
@@ -117,7 +117,7 @@ impl Plan {
         Some(tasks)
     }
 
-    /// One port waits for the other inputs of its instance, but for this one no more.
+    /// One port no longer waits for this input of its instance, but still for the others.
     fn release_from_one(&mut self, port: Task, awaited: Task, connections: &[Wired]) {
         let waits_for = self.waits.get(&port);
         let all_set = waits_for.and_then(|waits_for| waits_for.iter().find(|task| matches!(task, Task::AllSet(_))));
@@ -267,7 +267,7 @@ fn step(tasks: &[Task], connections: &[Wired]) -> InitialStep {
     }
 }
 
-/// A circle among tasks of which none is ready, in the direction in which values travel.
+/// A circle among tasks that all wait, in the direction in which values travel.
 fn circle(waits: &BTreeMap<Task, BTreeSet<Task>>) -> Vec<Task> {
     let mut walked: Vec<Task> = Vec::new();
     let mut steps: BTreeMap<Task, usize> = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! What the libraries of units ask of the process that loads them.
+//! What the libraries of units require of the process that loads them.
 
 use std::collections::BTreeMap;
 

@@ -128,7 +128,7 @@ pub(super) struct Bound {
     pub unit: MarginUnit,
     /// The limit, if one side is constant.
     pub limit: Option<Limit>,
-    /// Where it stands.
+    /// Its place.
     pub span: Span,
     /// The same comparison between plain numbers, as advice.
     pub scaled: Option<String>,
@@ -139,7 +139,7 @@ pub(super) struct Bound {
 pub(super) struct Temporal {
     /// The keyword.
     pub word: TemporalWord,
-    /// Where it stands.
+    /// Its place.
     pub span: Span,
     /// Its window.
     pub window: TickWindow,

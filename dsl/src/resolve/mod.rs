@@ -25,11 +25,11 @@
 //! | E22 | shapes do not agree: members, counts, indices |
 //! | E23 | a group of several units of measure in a computation |
 //! | E24 | a name declared twice, or reserved |
-//! | E25 | a statement or clause that is missing or stands twice |
+//! | E25 | a statement or clause that is missing or repeated |
 //! | E26 | a unit that was not found or cannot be used |
 //! | E27 | a value that must be known before the run |
 //! | E28 | names defined by each other |
-//! | E29 | a comparison that cannot be read: `==` of reals without `±`, a chain that turns round |
+//! | E29 | a comparison that cannot be read: `==` of reals without `±`, a chain that changes direction |
 //! | E30 | a temporal word outside claims |
 //! | E31 | a function with the wrong arguments |
 //! | E32 | a temperature scale with an offset in a sum, product or tolerance |
@@ -95,7 +95,7 @@ pub struct Request<'a> {
     pub sources: &'a Sources,
     /// The script.
     pub file: &'a File,
-    /// Answers for the units and files that the script names.
+    /// Loads the units and files that the script names.
     pub loader: &'a dyn Loader,
     /// Assignments of the command line, in order; a later one counts.
     pub settings: &'a [Binding],
@@ -128,7 +128,7 @@ pub fn resolve(request: &Request<'_>) -> Resolved {
     })
 }
 
-/// Every pass runs, whatever an earlier one found, so that all errors come at once.
+/// Every pass runs even after errors, so that all errors are reported at once.
 fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
     let parameters = scope.parameters();
     scope.evaluate_lets();

@@ -103,7 +103,7 @@ impl<'a> Scope<'_, 'a> {
     }
 }
 
-/// Whether a value may stand for another: same type, dimension and length.
+/// Whether a value may replace another: same type, dimension and length.
 fn alike(value: &Meaning, declared: &Meaning) -> bool {
     match (value, declared) {
         (Meaning::Real(value), Meaning::Real(declared)) => value.measure == declared.measure,

@@ -1,4 +1,4 @@
-//! Which ports drivers and claims read, while conditions of `rises` still come in and nothing is shared.
+//! Which ports drivers and claims read, before all conditions of `rises` are known and values are shared.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! What the names of a script mean, each worked out once, and what was found wrong so far.
+//! What the names of a script mean, each computed once, and the findings so far.
 //!
 //! [`Shared`] holds all of that; a [`Scope`] is a small handle that says in which frame names are looked up.
 
@@ -35,10 +35,10 @@ pub(super) struct Shared<'a> {
     findings: RefCell<Findings>,
     /// The meanings of `let` and `param`.
     bindings: RefCell<Meanings<'a>>,
-    /// The names whose meanings are being worked out.
+    /// The names whose meanings are being computed.
     open: RefCell<Vec<(FrameId, &'a Word)>>,
     pub(super) conditions: RefCell<Conditions>,
-    /// What drives each input, as far as connections have been worked out.
+    /// What drives each input, as far as connections have been resolved.
     pub(super) driven_by: RefCell<BTreeMap<Port, Span>>,
     /// The units of measure that loaded units define, each with the first instance whose unit does.
     pub(super) loaded: BTreeMap<String, (BaseUnit, usize)>,
@@ -103,7 +103,7 @@ impl<'a> Shared<'a> {
         (findings, self.conditions.take().by_slot)
     }
 
-    /// Gives out the meanings of `let` and `param`, as far as they are worked out.
+    /// Passes on the meanings of `let` and `param` that have been computed.
     pub fn of_bindings(&self, visit: impl FnOnce(&mut dyn Iterator<Item = &Meaning>)) {
         visit(&mut self.bindings.borrow().values().filter_map(Option::as_deref));
     }
@@ -156,14 +156,14 @@ impl<'s, 'a> Scope<'s, 'a> {
         self.shared.script.frames.look_up(self.frame, name)
     }
 
-    /// Works out every `let`, so that errors in unused ones are reported too.
+    /// Evaluates every `let`, so that errors in unused ones are reported too.
     pub fn evaluate_lets(self) {
         for binding in &self.shared.script.lets {
             self.at(binding.frame).binding(binding.part, &binding.part.value);
         }
     }
 
-    /// The meaning of a `let` or `param` of this frame whose value is written at `value`, worked out at its first use.
+    /// The meaning of a `let` or `param` of this frame whose value is written at `value`, computed at its first use.
     pub fn binding(self, binding: &'a Binding, value: &'a Expression) -> Option<Rc<Meaning>> {
         let name = binding.name.text.as_str();
         if let Some(known) = self.bindings.borrow().get(&(self.frame, name)) {
@@ -247,10 +247,10 @@ fn circle_of_names(words: &[(FrameId, &Word)]) -> Diagnostic {
     words.iter().skip(1).fold(error, |error, (_, word)| error.label(word.span, ""))
 }
 
-/// How many names may stand behind each other; far more than scripts need, far less than the stack allows.
+/// How deep names may refer to names; far more than scripts need, far less than the stack allows.
 const NAMES_DEEP: usize = 64;
 
-/// How many parts the value of a name may have; a few names that double each other would fill the memory otherwise.
+/// How many parts the value of a name may have; otherwise a few names that double each other would fill the memory.
 const PARTS: usize = 4096;
 
 fn too_large(binding: &Binding, why: &str) -> Diagnostic {

@@ -1,4 +1,4 @@
-//! Sorts the statements of a script, refuses those that this version does not know, and finds who declares a name.
+//! Sorts the statements of a script, refuses those that this version does not know, and finds the declaration of a name.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -22,7 +22,7 @@ pub(super) struct Script<'a> {
     pub step: Option<&'a Expression>,
     /// `stop`
     pub stop: Option<&'a Expression>,
-    /// Whether a `stop` stands there that was refused.
+    /// Whether there is a `stop` that was refused.
     pub stop_refused: bool,
     /// `param`
     pub parameters: Vec<Placed<&'a Binding>>,
@@ -38,9 +38,9 @@ pub(super) struct Script<'a> {
     pub claims: Vec<Placed<(&'a Name, &'a Expression)>>,
     /// The paths of `record`.
     pub records: Vec<Placed<&'a Path>>,
-    /// Whether a `record` line stands there.
+    /// Whether there is a `record` line.
     pub has_record: bool,
-    /// Who declares which name.
+    /// The declarations of names.
     pub frames: Frames<'a>,
     /// The names of the claims with their places.
     claim_names: BTreeMap<&'a str, Span>,
@@ -77,13 +77,13 @@ pub(super) struct Wire<'a> {
     pub source: &'a Expression,
     /// Which arrow.
     pub arrow: Arrow,
-    /// Where the arrow stands.
+    /// The place of the arrow.
     pub arrow_span: Span,
     /// The right sides.
     pub targets: &'a [Path],
 }
 
-/// What a name stands for.
+/// What a name refers to.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Declaration<'a> {
     /// `param`
@@ -92,12 +92,12 @@ pub(super) enum Declaration<'a> {
     Let(&'a Binding),
     /// `fmu`: index into [`Script::instances`].
     Instance(usize, &'a Word),
-    /// A statement that was refused; the name is silent.
+    /// A statement that was refused; uses of its name report nothing.
     Refused(&'a Word),
 }
 
 impl Declaration<'_> {
-    /// Where the name stands.
+    /// The place of the name.
     pub fn span(&self) -> Span {
         match self {
             Self::Parameter(binding) | Self::Let(binding) => binding.name.span,
@@ -178,7 +178,7 @@ impl<'a> Script<'a> {
         }
     }
 
-    /// A name whose statement was refused: nothing is reported about its use. A name that is declared already stays.
+    /// A name whose statement was refused: its uses report nothing. A declared name keeps its declaration.
     fn refuse_name(&mut self, frame: FrameId, name: &'a Word) {
         let _ = self.frames.declare(frame, &name.text, Declaration::Refused(name));
     }
@@ -252,7 +252,7 @@ impl<'a> Script<'a> {
         self.units.values().filter_map(|(_, unit)| unit.as_deref().ok())
     }
 
-    /// Which unit it is, and what it says about itself; the loader is asked once for each name of a text.
+    /// Which unit it is, and what it says about itself; the loader is called once for each name of a text.
     fn unit(&mut self, request: &Request<'a>, name: &'a Word) -> Found {
         let load = || {
             let description = request.loader.unit(request.sources.of(name.span), &name.text)?;
@@ -309,7 +309,7 @@ impl<'a> Script<'a> {
     }
 }
 
-/// Takes a statement that may stand once.
+/// Takes a statement that may occur once.
 fn once<'a, T: ?Sized>(
     place: &mut Option<&'a T>,
     value: &'a T,

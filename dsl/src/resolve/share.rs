@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::meaning::Meaning;
 use crate::scenario::{Action, BooleanExpression, Drive, Formula, RealExpression as E, Scenario};
 
-/// An expression apart from its parts: its kind and what else tells it from others.
+/// An expression apart from its parts: its kind and what else distinguishes it from others.
 type Head = (u8, u64, u64);
 
 /// The numbers of expressions.

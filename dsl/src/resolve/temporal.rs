@@ -84,7 +84,7 @@ fn loose_joint(body: &Expression) -> Option<&'static str> {
     (!body.parenthesised).then_some(joint)
 }
 
-/// In `2..5 s` the unit behind the far end holds for both.
+/// In `2..5 s` the unit after the far end applies to both.
 fn in_unit_of(near: &Expression, far: &Expression) -> Expression {
     let mut near = near.clone();
     if let (ExpressionKind::Quantity { unit: unit @ None, .. }, ExpressionKind::Quantity { unit: Some(name), .. }) =

@@ -77,7 +77,7 @@ impl Scope<'_, '_> {
         spans.fold(Diagnostic::error("E06", first, message), |error, span| error.label(span, "")).help(help)
     }
 
-    /// Whether no output follows an input at once, as with a plant whose outputs are its state.
+    /// Whether no output depends directly on an input, as with a plant whose outputs are its state.
     fn holds_its_outputs(&self, instance: usize) -> bool {
         let outputs = &self.known(instance).structure.outputs;
         !outputs.is_empty() && outputs.iter().all(|output| output.dependencies.as_ref().is_some_and(Vec::is_empty))

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub struct Curve {
     /// Seconds and values, at least one row; times never fall. Rows of one time are a jump.
     pub rows: Vec<(f64, f64)>,
-    /// Whether a value is held until the next row; else values between rows lie on a straight line.
+    /// Whether a value is held until the next row; else values between rows are interpolated linearly.
     pub held: bool,
 }
 

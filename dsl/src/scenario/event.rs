@@ -64,7 +64,7 @@ pub enum FaultKind {
     Loss(RealExpression),
     /// Holds the last value.
     Freeze,
-    /// Brings values so many ticks late.
+    /// Delays values by this many ticks.
     Delay(u64),
 }
 

@@ -1,4 +1,4 @@
-//! Any bytes at all: nothing panics, nothing takes long, and every place lies in the text.
+//! Any bytes: nothing panics, nothing takes long, and every place is in the text.
 
 use std::fs;
 use std::path::Path;
@@ -83,7 +83,7 @@ proptest! {
 #[test]
 fn nesting_costs_no_more_than_length() {
     for (open, close) in [("(", ")"), ("[", "]"), ("max(1, ", ")"), ("not (", ")"), ("-(", ")"), ("a[", "]")] {
-        // Time by the power of the depth would not end.
+        // Time exponential in the depth would not end.
         check_robustness(format!("let a = {}1{}\n", open.repeat(120), close.repeat(120)).as_bytes());
         check_robustness(format!("let a = {}1\n", open.repeat(120)).as_bytes());
     }
@@ -111,7 +111,7 @@ fn chains_of_any_length_parse_without_panic() {
     }
 }
 
-/// How long a script of so many equal lines takes.
+/// How long a script of `lines` equal lines takes.
 fn time(line: &str, lines: usize) -> Duration {
     let mut sources = Sources::default();
     let text = sources.add("a.scn", line.repeat(lines));

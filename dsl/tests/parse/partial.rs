@@ -3,7 +3,7 @@
 use dsl::parse::parse;
 use dsl::source::Sources;
 
-/// The statements that a script with so many errors keeps, as they are written, each with its documentation.
+/// The statements that a script with `errors` errors keeps, as they are written, each with its documentation.
 fn kept(script: &str, errors: usize) -> Vec<String> {
     let mut sources = Sources::default();
     let text = sources.add("a.scn", script);
@@ -18,13 +18,13 @@ fn kept(script: &str, errors: usize) -> Vec<String> {
 }
 
 #[test]
-fn statements_before_between_and_behind_errors_are_kept() {
+fn statements_before_between_and_after_errors_are_kept() {
     let script = "scenario \"é\"\nstep 5 ms\nlet a 3\n# two\nlet b = 2\nstop stop\na.y -> b.u\nrecord";
     assert_eq!(kept(script, 3), ["scenario \"é\"", "step 5 ms", "# two | let b = 2", "a.y -> b.u"]);
 }
 
 #[test]
-fn the_end_of_a_script_is_kept_behind_its_last_error() {
+fn the_end_of_a_script_is_kept_after_its_last_error() {
     let many = "let c = 1\n".repeat(2_000);
     assert_eq!(kept(&format!("let a 3\n{many}"), 1).len(), 2_000);
     assert_eq!(kept(&format!("{many}let a 3"), 1).len(), 2_000);
@@ -37,7 +37,7 @@ fn a_statement_over_several_lines_is_left_out_as_a_whole() {
 }
 
 #[test]
-fn what_stands_behind_an_error_in_a_block_stands_outside_of_it() {
+fn what_follows_an_error_in_a_block_is_outside_of_it() {
     let script = "let a = 1\nfor i in 1..3 {\n  let b = 2\n  let c 3\n  let d = 4\n}\nlet e = 5";
     assert_eq!(kept(script, 1), ["let a = 1", "let d = 4", "let e = 5"]);
 }

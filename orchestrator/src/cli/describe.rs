@@ -81,7 +81,7 @@ impl Describe {
     }
 }
 
-/// What a unit's user wants to know, and a line to paste.
+/// The variables of a unit, and a line to paste.
 fn page(unit: &str, description: &ModelDescription) -> String {
     let mut text = format!("{}\n", description.model_name);
     if let Some(words) = &description.description {
@@ -151,7 +151,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_page_tells_units_starts_and_a_line_to_paste() {
+    fn a_page_shows_units_start_values_and_a_line_to_paste() {
         let xml = br#"<?xml version="1.0"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Tank" guid="g" description="A tank.">
   <CoSimulation modelIdentifier="tank"/>

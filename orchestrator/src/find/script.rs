@@ -18,7 +18,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use unit::archive::read_loadable;
 use unit::error::UnitError;
 
-/// A script that was read, with whatever is wrong with it.
+/// A script that was read, with its diagnostics.
 #[derive(Debug)]
 pub struct Script {
     /// As the user named it.
@@ -29,7 +29,7 @@ pub struct Script {
     pub text: String,
     /// The texts that diagnostics point into.
     pub sources: Sources,
-    /// What is wrong or deserves a look.
+    /// Errors and warnings.
     pub diagnostics: Vec<Diagnostic>,
     /// What it means, unless something is wrong.
     pub scenario: Option<Scenario>,
@@ -51,10 +51,10 @@ pub struct ScriptUnit {
 }
 
 impl Script {
-    /// Reads a script and finds out what it means with these assignments of the command line.
+    /// Reads and resolves a script with these assignments of the command line.
     ///
     /// # Errors
-    /// If the file cannot be read; whatever is wrong with its content is among the diagnostics.
+    /// If the file cannot be read; errors in its content are among the diagnostics.
     pub fn read(path: &Path, settings: &[String], catalogue: &Catalogue) -> io::Result<Self> {
         let text = String::from_utf8(std::fs::read(path)?)
             .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, format!("it is not UTF-8: {error}")))?;
@@ -65,7 +65,7 @@ impl Script {
         Ok(Self::of_text(path.display().to_string(), folder, text, settings, catalogue))
     }
 
-    /// Finds out what a text means whose paths are relative to `folder`.
+    /// Resolves a text with paths relative to `folder`.
     #[must_use]
     pub fn of_text(name: String, folder: PathBuf, text: String, settings: &[String], catalogue: &Catalogue) -> Self {
         let mut script = Self {
@@ -132,7 +132,7 @@ struct Files<'a> {
 }
 
 impl Files<'_> {
-    /// The folder that paths of a text are relative to; what the command line sets is as if the script said it.
+    /// The folder that paths of a text are relative to; assignments of the command line use the script's.
     fn folder_of<'f>(&'f self, from: &'f Source) -> &'f Path {
         let folder = Path::new(&from.name).parent().filter(|folder| from.name != self.name && *folder != Path::new(""));
         folder.unwrap_or(self.folder)
@@ -168,7 +168,7 @@ impl Loader for Files<'_> {
     }
 }
 
-/// The cells of a line between commas; a quoted cell may hold commas, and a doubled quote stands for one.
+/// The cells of a line between commas; a quoted cell may hold commas, and a doubled quote is one quote.
 fn cells(line: &str) -> Vec<String> {
     let mut cells = vec![String::new()];
     let mut is_quoted = false;
@@ -194,7 +194,7 @@ fn find(name: &str, folder: &Path, catalogue: &Catalogue) -> Result<ScriptUnit, 
 }
 
 #[test]
-fn parts_and_tables_lie_beside_the_text_that_names_them() {
+fn parts_and_tables_are_beside_the_text_that_names_them() {
     let folder = tempfile::tempdir().expect("a folder");
     let name = folder.path().join("a.scn").display().to_string();
     std::fs::create_dir(folder.path().join("parts")).expect("a folder inside");

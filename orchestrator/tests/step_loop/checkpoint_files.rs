@@ -1,4 +1,4 @@
-//! Checkpoint files that are fine, and bytes that are not.
+//! Valid and invalid checkpoint files.
 
 use crate::checkpoints::everything;
 use crate::fake::description;
@@ -26,7 +26,7 @@ fn identity() -> Identity {
     }
 }
 
-/// The target: any bytes as a checkpoint of the run of `everything`.
+/// The fuzz target: any bytes as a checkpoint of the run of `everything`.
 fn read(bytes: &[u8]) -> Result<Checkpoint, CheckpointError> {
     let script = everything(TICKS);
     let identity = identity();
@@ -34,7 +34,7 @@ fn read(bytes: &[u8]) -> Result<Checkpoint, CheckpointError> {
     Checkpoint::read(checkpoint, &script.scenario, &vec![&description(); script.units.len()])
 }
 
-/// A run saved amid everything, by itself.
+/// The content of a checkpoint of `everything`, without the file around it.
 fn saved() -> &'static [u8] {
     static SAVED: OnceLock<Vec<u8>> = OnceLock::new();
     SAVED.get_or_init(|| {
@@ -55,15 +55,15 @@ fn a_checkpoint_comes_back_as_it_was_saved() {
 }
 
 #[test]
-fn who_set_a_parameter_makes_no_difference_if_its_value_is_the_same() {
+fn the_origin_of_a_parameter_makes_no_difference_if_its_value_is_the_same() {
     let mut set = identity();
     set.parameters[0].set = true;
     assert!(read(&set.file_around(saved()).unwrap()).is_ok());
 }
 
 #[test]
-fn what_differs_is_told_at_once_with_what_to_do() {
-    let told = |change: &dyn Fn(&mut Identity)| {
+fn all_differences_are_reported_at_once_with_help() {
+    let error_for = |change: &dyn Fn(&mut Identity)| {
         let mut other = identity();
         change(&mut other);
         let error = read(&other.file_around(saved()).unwrap()).unwrap_err();
@@ -81,16 +81,16 @@ fn what_differs_is_told_at_once_with_what_to_do() {
     };
     let end = postcard::to_stdvec(&everything(40).saving([15]).run().checkpoints[0]).unwrap();
     let texts = [
-        told(&|other| other.parameters[0].value = "25 m/s".to_owned()),
-        told(&|other| other.parameters.truncate(1)),
-        told(&|other| other.script = "0".repeat(64)),
-        told(&|other| {
+        error_for(&|other| other.parameters[0].value = "25 m/s".to_owned()),
+        error_for(&|other| other.parameters.truncate(1)),
+        error_for(&|other| other.script = "0".repeat(64)),
+        error_for(&|other| {
             other.step_ns = 10_000_000;
             other.units[1].sha256 = "1".repeat(64);
             other.files.clear();
             other.parameters[1].value = "2".to_owned();
         }),
-        told(&|other| other.units[0].name = "\x1b[2J".to_owned()),
+        error_for(&|other| other.units[0].name = "\x1b[2J".to_owned()),
         refused(b"time,quad.x\n"),
         refused(&[MAGIC.as_slice(), &[3, 0, 0, 0]].concat()),
         refused(&whole[..whole.len() - 1]),
@@ -101,7 +101,7 @@ fn what_differs_is_told_at_once_with_what_to_do() {
     insta::assert_snapshot!(texts.concat());
 }
 
-/// `FILE.whole` is a file, `FILE.part` what stands behind its identity; its first word says what becomes of it.
+/// `FILE.whole` is a file, `FILE.part` what follows its identity; its first word is the expected result.
 #[test]
 fn every_kept_file_is_judged_as_its_name_says() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/checkpoints");
@@ -140,7 +140,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_bytes_are_survived(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+    fn any_bytes_are_refused(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
         prop_assert!(read(&bytes).is_err());
         prop_assert!(read(&file(&bytes)).is_err());
     }
@@ -153,7 +153,7 @@ proptest! {
     }
 
     #[test]
-    fn what_is_read_out_of_bytes_with_a_right_hash_flies_without_a_panic(
+    fn a_changed_checkpoint_with_a_valid_hash_runs_without_a_panic(
         changes in any_changes(), cut in prop::option::weighted(0.1, 0_usize..1 << 16),
     ) {
         if let Ok(checkpoint) = read(&file(&changed(saved(), &changes, cut))) {

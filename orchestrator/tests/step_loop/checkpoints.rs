@@ -15,7 +15,7 @@ impl Script {
 
     pub fn from(mut self, checkpoint: &Checkpoint) -> Self {
         assert!(fits(checkpoint, &self));
-        // As it comes out of a file.
+        // As it is read from a file.
         self.from = Some(postcard::from_bytes(&postcard::to_stdvec(checkpoint).unwrap()).unwrap());
         self
     }

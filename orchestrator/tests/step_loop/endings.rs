@@ -45,9 +45,9 @@ fn a_unit_that_ends_where_its_step_ends_leaves_a_last_row() {
 }
 
 #[test]
-fn of_units_that_end_at_one_tick_the_first_in_the_script_is_told() {
+fn of_units_that_end_at_one_tick_the_first_in_the_script_is_reported() {
     let done = |step: &Step| Answer::Terminated { y: 0.0, last_successful_time_s: step.tick as f64 + 1.0 };
-    // The second unit steps first, so its word comes first.
+    // The second unit steps first, so it is the first to report its end.
     let script = Script::new(vec![answering(1, 1, done), answering(1, 0, done)]);
     let ran = script.connect(1, 0, false).record(&[(0, Y), (1, Y)]).run();
     assert_eq!(ran.result, Ok(Finish { last_tick: 1, reason: Reason::Terminated(0) }));
@@ -88,7 +88,7 @@ fn a_fast_source_is_awaited_at_once_only_where_a_slow_target_reads_it() {
 }
 
 #[test]
-fn of_several_failures_the_first_in_the_script_is_told() {
+fn of_several_failures_the_first_in_the_script_is_reported() {
     let fails = |every| otherwise_at(every, 0, 0, |_| Answer::Error);
     let ran = Script::new(vec![counter(1, 0), fails(2), fails(2), fails(1)]).on_workers(&[0, 2, 1, 0]).run();
     assert_eq!(ran.result.unwrap_err().instance.as_deref(), Some("3"), "it is due before the others");
@@ -130,7 +130,7 @@ fn an_asserted_infinity_breaks_the_run_and_a_recorded_one_is_recorded() {
 }
 
 #[test]
-fn a_lost_claim_ends_the_run_only_if_that_is_wished() {
+fn a_lost_claim_ends_the_run_only_with_fail_fast() {
     let script = || Script::new(vec![counter(1, 0)]).always(below(0, 100.0)).always(below(0, 2.5)).record(&[(0, Y)]);
     let ran = script().run();
     assert_eq!(ran.result, Ok(Finish { last_tick: 6, reason: Reason::StopTime }));

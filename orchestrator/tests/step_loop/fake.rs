@@ -1,4 +1,4 @@
-//! Units made of closures, behind the worker's trait, and scripts made of a few words.
+//! Units made of closures, behind the worker's trait, and a builder of scripts.
 
 use dsl::scenario::{
     Column, Connection, Drive, Event, Formula, InitialStep, Instance, Port, RealExpression, Scenario, Set, TickWindow,
@@ -72,7 +72,7 @@ pub fn signal(instance: usize) -> RealExpression {
     RealExpression::Signal(port(instance, Y))
 }
 
-/// A script over fake units; steps take a second, the run ends at tick 6 and every port is recorded that the columns say.
+/// A script over fake units; steps take a second, the run ends at tick 6 and the ports of the columns are recorded.
 pub struct Script {
     pub scenario: Scenario,
     pub worker_of: Vec<usize>,
@@ -92,7 +92,7 @@ pub struct Ran {
     pub verdicts: Vec<Verdict>,
     pub standings: Vec<Standing>,
     pub checkpoints: Vec<Checkpoint>,
-    /// What the workers were asked, in order.
+    /// The calls of the workers, in order.
     pub asked: Vec<String>,
 }
 
@@ -237,7 +237,7 @@ impl Observer for &mut Seen {
     }
 }
 
-/// Computes at the order and hands over at the reply, as a worker far away does.
+/// Computes at the order and passes results at the reply, as a worker in another process does.
 struct FakeWorker {
     index: usize,
     plan: Vec<(Vec<usize>, u64)>,

@@ -16,18 +16,18 @@ fn number(value: f64) -> RealExpression {
 }
 
 #[test]
-fn an_arrow_brings_where_the_source_stood_when_the_step_began() {
-    let ran = Script::new(vec![counter(1, 0), repeater(1, 0)]).connect(0, 1, false);
-    let ran = ran.record(&[(0, Y), (1, U), (1, Y)]).run();
+fn an_arrow_passes_the_value_of_the_source_when_the_step_began() {
+    let script = Script::new(vec![counter(1, 0), repeater(1, 0)]).connect(0, 1, false);
+    let ran = script.record(&[(0, Y), (1, U), (1, Y)]).run();
     assert_eq!(ran.column(0), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     assert_eq!(ran.column(1), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 5.0]);
     assert_eq!(ran.column(2), [0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
 }
 
 #[test]
-fn a_double_arrow_brings_where_the_source_stands_when_the_step_ends() {
-    let ran = Script::new(vec![counter(1, 0), repeater(1, 1), repeater(1, 2)]);
-    let ran = ran.connect(0, 1, true).connect(1, 2, true).record(&[(0, Y), (1, U), (2, U), (2, Y)]).run();
+fn a_double_arrow_passes_the_value_of_the_source_when_the_step_ends() {
+    let script = Script::new(vec![counter(1, 0), repeater(1, 1), repeater(1, 2)]);
+    let ran = script.connect(0, 1, true).connect(1, 2, true).record(&[(0, Y), (1, U), (2, U), (2, Y)]).run();
     assert_eq!(ran.column(0), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     assert_eq!(ran.column(1), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 6.0]);
     assert_eq!(ran.column(2), ran.column(1));
@@ -50,8 +50,8 @@ fn a_slow_source_fills_its_period_with_its_value_at_the_periods_end() {
 
 #[test]
 fn a_slow_target_holds_what_it_got_when_its_step_began() {
-    let ran = Script::new(vec![counter(1, 0), repeater(3, 1), repeater(3, 0)]);
-    let ran = ran.connect(0, 1, true).connect(0, 2, false).record(&[(1, U), (2, U), (0, Y)]).run();
+    let script = Script::new(vec![counter(1, 0), repeater(3, 1), repeater(3, 0)]);
+    let ran = script.connect(0, 1, true).connect(0, 2, false).record(&[(1, U), (2, U), (0, Y)]).run();
     assert_eq!(ran.column(0), [1.0, 1.0, 1.0, 4.0, 4.0, 4.0, 4.0]);
     assert_eq!(ran.column(1), [0.0, 0.0, 0.0, 3.0, 3.0, 3.0, 3.0]);
     assert_eq!(ran.column(2), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
@@ -60,9 +60,9 @@ fn a_slow_target_holds_what_it_got_when_its_step_began() {
 #[test]
 fn a_computed_connection_may_read_several_sources_and_time() {
     let sum = || RealExpression::Add(Box::new(signal(0)), Box::new(TIME));
-    let ran = Script::new(vec![counter(1, 0), repeater(1, 1)]);
-    let ran = ran.compute(sum(), port(1, U), true).compute(sum(), port(1, V), false);
-    let ran = ran.record(&[(1, U), (1, V)]).run();
+    let script = Script::new(vec![counter(1, 0), repeater(1, 1)]);
+    let script = script.compute(sum(), port(1, U), true).compute(sum(), port(1, V), false);
+    let ran = script.record(&[(1, U), (1, V)]).run();
     assert_eq!(ran.column(0), [1.0, 3.0, 5.0, 7.0, 9.0, 11.0, 11.0]);
     assert_eq!(ran.column(1), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 10.0]);
 }
@@ -96,8 +96,8 @@ fn a_shared_value_is_the_same_as_one_written_out() {
 #[test]
 fn a_window_overrides_the_connection_and_undoes_itself() {
     for direct in [false, true] {
-        let ran = Script::new(vec![counter(1, 0), repeater(1, usize::from(direct))]).connect(0, 1, direct);
-        let ran = ran.at(2, Some(4), port(1, U), number(-1.0)).record(&[(1, U)]).run();
+        let script = Script::new(vec![counter(1, 0), repeater(1, usize::from(direct))]).connect(0, 1, direct);
+        let ran = script.at(2, Some(4), port(1, U), number(-1.0)).record(&[(1, U)]).run();
         let first = if direct { 1.0 } else { 0.0 };
         assert_eq!(ran.column(0), [first, first + 1.0, -1.0, -1.0, first + 4.0, first + 5.0, first + 5.0]);
     }
@@ -105,29 +105,29 @@ fn a_window_overrides_the_connection_and_undoes_itself() {
 
 #[test]
 fn the_value_of_a_set_is_tracked_while_it_is_open() {
-    let ran = Script::new(vec![counter(1, 0), repeater(1, 0)]);
-    let ran = ran.at(1, Some(3), port(1, U), signal(0)).at(4, None, port(1, U), TIME).record(&[(1, U)]).run();
+    let script = Script::new(vec![counter(1, 0), repeater(1, 0)]);
+    let ran = script.at(1, Some(3), port(1, U), signal(0)).at(4, None, port(1, U), TIME).record(&[(1, U)]).run();
     assert_eq!(ran.column(0), [0.5, 1.0, 2.0, 0.5, 4.0, 5.0, 5.0]);
 }
 
 #[test]
-fn a_tunable_parameter_is_set_and_returns_to_where_it_was() {
-    let ran = Script::new(vec![unit(1, 0, |step| step.p)]).at(1, Some(3), port(0, P), number(9.0));
-    let ran = ran.record(&[(0, P), (0, Y)]).run();
+fn a_tunable_parameter_is_set_and_returns_to_its_value() {
+    let script = Script::new(vec![unit(1, 0, |step| step.p)]).at(1, Some(3), port(0, P), number(9.0));
+    let ran = script.record(&[(0, P), (0, Y)]).run();
     assert_eq!(ran.column(0), [7.0, 9.0, 9.0, 7.0, 7.0, 7.0, 7.0]);
     assert_eq!(ran.column(1), [0.0, 7.0, 9.0, 9.0, 7.0, 7.0, 7.0]);
 }
 
 #[test]
 fn a_later_set_without_end_replaces_the_one_before_and_a_window_returns_to_it() {
-    let ran = Script::new(vec![repeater(1, 0)]).at(1, None, port(0, U), number(1.0));
-    let ran = ran.at(2, None, port(0, U), number(2.0)).at(3, Some(4), port(0, U), number(3.0));
-    let ran = ran.at(4, Some(5), port(0, U), number(4.0)).record(&[(0, U)]).run();
+    let script = Script::new(vec![repeater(1, 0)]).at(1, None, port(0, U), number(1.0));
+    let script = script.at(2, None, port(0, U), number(2.0)).at(3, Some(4), port(0, U), number(3.0));
+    let ran = script.at(4, Some(5), port(0, U), number(4.0)).record(&[(0, U)]).run();
     assert_eq!(ran.column(0), [0.5, 1.0, 2.0, 3.0, 4.0, 2.0, 2.0]);
 }
 
 #[test]
-fn an_input_that_nobody_drives_keeps_its_start_value() {
+fn an_undriven_input_keeps_its_start_value() {
     let ran = Script::new(vec![repeater(1, 0)]).record(&[(0, U), (0, V)]).run();
     assert_eq!(ran.rows, vec![vec![0.5, 0.25]; 7]);
 }

@@ -14,7 +14,7 @@ fn always_is_a_window_without_end() {
 }
 
 #[test]
-fn windows_stand_inside_each_other_in_ticks() {
+fn nested_windows_are_in_ticks() {
     let claim = claim("eventually within 20 s hold for 2 s quad.landed");
     let Formula::Eventually(TickWindow { from: 0, to: Some(2_000) }, body) = &claim.formula else {
         panic!("{claim:?}")
@@ -44,14 +44,14 @@ fn a_limit_has_the_unit_of_its_literal() {
 }
 
 #[test]
-fn a_limit_on_the_left_and_a_negation_turn_the_side() {
+fn a_limit_on_the_left_and_a_negation_swap_the_side() {
     assert_eq!(claim("always 3 m < quad.height").limit, Some(Limit { value: 3.0, upper: false }));
     assert_eq!(claim("always not (quad.height > 3 m)").limit, Some(Limit { value: 3.0, upper: true }));
     assert_eq!(claim("always 1 m < quad.height < 3 m").limit, None);
 }
 
 #[test]
-fn without_a_literal_the_signal_names_the_unit_and_kelvin_stands_for_celsius() {
+fn without_a_literal_the_unit_is_that_of_the_signal_and_kelvin_for_celsius() {
     let of = |text: &str| claim(text).unit.map(|unit| (unit.name, unit.factor));
     assert_eq!(of("always quad.height > quad.state.position.z"), Some(("ft".to_owned(), 0.3048)));
     assert_eq!(of("always ctrl.temperature < 30 degC"), Some(("K".to_owned(), 1.0)));
@@ -59,7 +59,7 @@ fn without_a_literal_the_signal_names_the_unit_and_kelvin_stands_for_celsius() {
 }
 
 #[test]
-fn negations_move_inward_and_turn_windows_round() {
+fn negations_move_inward_and_swap_always_and_eventually() {
     let claim = claim("not eventually (quad.landed and quad.roll > 3 deg)");
     let Formula::Always(_, body) = claim.formula else { panic!("{claim:?}") };
     let Formula::Or(parts) = *body else { panic!("{body:?}") };

@@ -33,7 +33,7 @@ fn one_member_of_a_driven_group_has_a_driver_already() {
 }
 
 #[test]
-fn an_arrow_from_an_input_to_an_output_is_turned() {
+fn an_arrow_from_an_input_to_an_output_is_refused() {
     insta::assert_snapshot!(shown(&flight("quad.wind -> wind.velocity")), @r#"
     error[E04]: `wind.velocity` is an output and cannot be a target
      --> test.scn:7:14
@@ -74,7 +74,7 @@ fn a_parameter_is_no_target_of_an_arrow() {
 }
 
 #[test]
-fn a_fixed_parameter_cannot_be_set_in_flight() {
+fn a_fixed_parameter_cannot_be_set_during_the_run() {
     insta::assert_snapshot!(shown(&flight("at 3 s { set quad.mass = 2 kg }")), @r#"
     error[E05]: `quad.mass` cannot change during the run: its FMU says variability="fixed"
      --> test.scn:7:14

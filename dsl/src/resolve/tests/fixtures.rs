@@ -156,10 +156,10 @@ impl Loader for Memory {
     }
 }
 
-/// A script with what it meant.
+/// A script with its meaning.
 pub(super) struct Outcome {
     sources: Sources,
-    /// What came of it.
+    /// The result.
     pub resolved: Resolved,
 }
 

@@ -1,4 +1,4 @@
-//! What the resolver asks its loader.
+//! The resolver's calls of its loader.
 
 use std::sync::{Arc, Mutex};
 
@@ -10,7 +10,7 @@ use crate::parse::parse;
 use crate::resolve::{Request, resolve};
 use crate::source::{Source, Sources};
 
-/// Answers from memory and notes what was asked.
+/// Loads from memory and records each call.
 #[derive(Default)]
 struct Noting(Mutex<Vec<String>>);
 
@@ -37,7 +37,7 @@ impl Loader for Noting {
     }
 }
 
-fn asked(script: &str) -> Vec<String> {
+fn calls(script: &str) -> Vec<String> {
     let mut sources = Sources::default();
     let text = sources.add("scenarios/test.scn", script);
     let parsed = parse(&sources, text);
@@ -48,19 +48,19 @@ fn asked(script: &str) -> Vec<String> {
 }
 
 #[test]
-fn a_unit_is_asked_for_once_in_the_order_of_the_script() {
+fn a_unit_is_loaded_once_in_the_order_of_the_script() {
     let script = flight("fmu second = \"quadcopter\"\nfmu third = \"glider\"\nfmu fourth = \"glider\"");
     assert_eq!(
-        asked(&script),
+        calls(&script),
         ["wind", "quadcopter", "quadcopter_controller", "glider"]
             .map(|name| format!("unit {name} for scenarios/test.scn"))
     );
 }
 
 #[test]
-fn parts_and_tables_are_not_asked_for_before_the_language_knows_them() {
+fn parts_and_tables_are_not_loaded_yet() {
     let script = flight("use lead = \"part.scn\"\nlet u = curve(\"in.csv\", \"u\")");
-    assert!(asked(&script).iter().all(|question| question.starts_with("unit ")));
+    assert!(calls(&script).iter().all(|call| call.starts_with("unit ")));
     let from = Source::new("test.scn", "");
     assert_eq!(Memory.text(&from, "part.scn").map(|part| part.name), Ok("part.scn".to_owned()));
     assert_eq!(Memory.table(&from, "in.csv").map(|table| table.header.len()), Ok(2));

@@ -78,7 +78,7 @@ fn a_limit_without_unit_gets_the_unit_to_write_as_help() {
 }
 
 #[test]
-fn a_degree_celsius_stands_in_no_sum_or_tolerance() {
+fn a_degree_celsius_is_refused_in_sums_and_tolerances() {
     let lines = "let a = ctrl.temperature + 5 degC\nassert b: always ctrl.temperature == 20 degC ± 1 degC";
     insta::assert_snapshot!(shown(&flight(lines)), @r#"
     error[E32]: `5 degC` is a point on a scale, which a sum cannot take
@@ -134,7 +134,7 @@ fn an_unknown_unit_names_the_nearest() {
 }
 
 #[test]
-fn a_script_name_inside_a_unit_asks_for_spaces() {
+fn a_script_name_inside_a_unit_needs_spaces() {
     insta::assert_snapshot!(shown(&flight("let g = 9.81 m/s^2\nlet w = 0.5 kg*g")), @r#"
     error[E11]: `g` in `0.5 kg*g` is a name of this script, not a unit
      --> test.scn:8:13

@@ -3,7 +3,7 @@
 use super::fixtures::{flight, run_with, shown, shown_with};
 
 #[test]
-fn a_slip_in_a_variable_names_the_nearest_one() {
+fn a_misspelt_variable_names_the_nearest_one() {
     insta::assert_snapshot!(shown(&flight("let a = quad.state.positon.x")), @r#"
     error[E01]: `quad.state` has no variable `positon`
      --> test.scn:7:20
@@ -16,7 +16,7 @@ fn a_slip_in_a_variable_names_the_nearest_one() {
 }
 
 #[test]
-fn a_slip_in_an_instance_names_the_nearest_one() {
+fn a_misspelt_instance_names_the_nearest_one() {
     insta::assert_snapshot!(shown(&flight("wind.velocity -> qaud.wind")), @r#"
     error[E01]: `qaud` is not declared in this script
      --> test.scn:7:18
@@ -42,7 +42,7 @@ fn an_element_past_the_end_of_an_array_names_the_range() {
 }
 
 #[test]
-fn a_slip_in_a_function_names_the_nearest_one() {
+fn a_misspelt_function_names_the_nearest_one() {
     insta::assert_snapshot!(shown(&flight("assert a: always nrom(quad.state.position) < 3 m")), @r#"
     error[E01]: there is no function `nrom`
      --> test.scn:7:18
@@ -154,7 +154,7 @@ fn a_script_without_its_first_lines_says_which_are_missing() {
 }
 
 #[test]
-fn statements_that_stand_once_and_two_periods_are_refused() {
+fn repeated_statements_and_periods_are_refused() {
     insta::assert_snapshot!(shown(&flight("stop 5 s\nfmu air = \"wind\" every 20 ms every 30 ms { stream = 4 }")), @r#"
     error[E25]: `stop` stands twice
      --> test.scn:7:6
@@ -180,7 +180,7 @@ fn statements_that_stand_once_and_two_periods_are_refused() {
 }
 
 #[test]
-fn what_a_later_version_brings_is_refused_by_name() {
+fn features_of_later_versions_are_refused_by_name() {
     let lines = "use lead = \"uav.scn\"
 for i in 1..2 { let a = 3 }
 when quad.landed { set quad.drag = 0.2 }

@@ -35,7 +35,7 @@ fn a_period_below_the_step_has_no_lower_neighbour() {
 }
 
 #[test]
-fn a_time_without_unit_asks_for_one() {
+fn a_time_without_unit_is_refused() {
     insta::assert_snapshot!(shown(&flight("at 12 { set quad.drag = 0.2 }")), @r#"
     error[E02]: expected a time, found a plain number
      --> test.scn:7:4
@@ -95,7 +95,7 @@ fn a_step_is_a_whole_number_of_nanoseconds() {
 }
 
 #[test]
-fn a_claim_past_the_end_tells_how_far_it_looks() {
+fn a_claim_past_the_end_says_how_far_it_looks() {
     insta::assert_snapshot!(shown(&flight("assert arrive: eventually within 60 s hold for 2 s quad.landed")), @r#"
     error[E09]: `arrive` looks 62 s ahead (60 s within + 2 s hold), the run ends at 60 s
      --> test.scn:7:8
@@ -111,7 +111,7 @@ fn a_claim_past_the_end_tells_how_far_it_looks() {
 }
 
 #[test]
-fn a_claim_that_no_memory_could_judge_is_refused() {
+fn a_claim_that_exceeds_memory_is_refused() {
     let script = flight("assert late: always (eventually within 20 s quad.landed)").replace("step 10 ms", "step 1 us");
     insta::assert_snapshot!(shown(&script), @r"
     error[E39]: `late` looks 20000000 steps ahead, and at most 10000000 are kept
@@ -138,7 +138,7 @@ fn a_window_that_ends_before_it_begins_is_refused() {
 }
 
 #[test]
-fn a_temporal_word_over_and_asks_for_parentheses() {
+fn a_temporal_word_over_and_needs_parentheses() {
     insta::assert_snapshot!(shown(&flight("assert a: eventually within 3 s quad.landed and quad.roll < 3 deg")), @r#"
     error[E12]: `eventually` reaches to the end of the line, over the `and`
      --> test.scn:7:11

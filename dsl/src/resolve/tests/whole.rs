@@ -34,7 +34,7 @@ fn a_plain_script_has_instances_waves_copies_claims_and_columns() {
 }
 
 #[test]
-fn a_unit_stands_once_in_order_of_first_use() {
+fn a_unit_is_listed_once_in_order_of_first_use() {
     let scenario = scenario(&flight("fmu twin = \"quadcopter\"\nfmu gust = \"wind\" { seed = 2 }"));
     let units: Vec<_> = scenario.units.iter().map(|unit| unit.name.as_str()).collect();
     assert_eq!(units, ["wind", "quadcopter", "quadcopter_controller"]);
@@ -163,7 +163,7 @@ const WORDS: [&str; 44] = [
 ];
 
 proptest::proptest! {
-    /// Whatever stands on a line, the resolver answers with a scenario or an error, and never with both.
+    /// For any line, the resolver returns either a scenario or an error.
     #[test]
     fn any_words_give_a_scenario_or_an_error(
         start in proptest::sample::select(&["let a =", "let b =", "assert c:", "", "param a =", "step", "record", "at"][..]),
