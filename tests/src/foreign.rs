@@ -1,4 +1,5 @@
-//! Builds the unit of `tests/foreign/` with the system's C compiler, with or without a planted fault, and packs it.
+//! Builds the C units of `tests/foreign/` with the system's compiler and packs them: one with planted faults, one whose calls
+//! run given code.
 
 use std::fs;
 use std::io::Write;
@@ -39,31 +40,119 @@ impl Foreign<'_> {
     /// If the compiler is missing or fails, or the description lacks a text to replace.
     #[must_use]
     pub fn build(&self) -> (TempDir, PathBuf) {
-        let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("foreign");
         let folder = tempfile::tempdir().unwrap();
-        let library = folder.path().join("foreign.so");
-        let compiled = Command::new("cc")
-            .args(["-std=c11", "-D_DEFAULT_SOURCE", "-O1", "-fPIC", "-shared", "-fvisibility=hidden"])
-            .args(self.defines.iter().map(|define| format!("-D{define}")))
-            .arg("-o")
-            .arg(&library)
-            .arg(sources.join("unit.c"))
-            .output()
-            .unwrap();
-        assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
-        let mut description = fs::read_to_string(sources.join("modelDescription.xml")).unwrap();
+        let defines: Vec<_> = self.defines.iter().map(|define| format!("-D{define}")).collect();
+        let library = compile("unit.c", &defines, folder.path());
+        let mut description = fs::read_to_string(sources().join("modelDescription.xml")).unwrap();
         for (from, to) in self.description {
             assert!(description.contains(from), "{from}");
             description = description.replace(from, to);
         }
         let fmu = folder.path().join("foreign.fmu");
-        let mut archive = zip::ZipWriter::new(fs::File::create(&fmu).unwrap());
-        let options = SimpleFileOptions::default();
-        archive.start_file("modelDescription.xml", options).unwrap();
-        archive.write_all(description.as_bytes()).unwrap();
-        archive.start_file(format!("binaries/{}/foreign.so", self.platform), options).unwrap();
-        archive.write_all(&fs::read(&library).unwrap()).unwrap();
-        archive.finish().unwrap();
+        archive(&fmu, &description, &format!("binaries/{}/foreign.so", self.platform), &library);
         (folder, fmu)
     }
+}
+
+/// A unit of `tests/foreign/generic.c`, whose calls run the C code that a test gives.
+#[derive(Debug, Default)]
+pub struct Generic<'a> {
+    /// Attributes of `CoSimulation`, besides the model identifier.
+    pub capabilities: &'a str,
+    /// Elements that stand before `LogCategories`: `UnitDefinitions`, `TypeDefinitions`.
+    pub definitions: &'a str,
+    /// Elements that stand after `LogCategories`: `DefaultExperiment`, `VendorAnnotations`.
+    pub experiment: &'a str,
+    /// The `ScalarVariable`s. Those that are outputs are listed in `ModelStructure`, dependent on nothing.
+    pub variables: &'a str,
+    /// Macros of `generic.c`, each with its code: `("STEP_CODE", "R[1] = 2 * R[0];")`.
+    pub code: &'a [(&'a str, &'a str)],
+}
+
+#[allow(clippy::unwrap_used, reason = "a test that cannot build its unit has failed")]
+impl Generic<'_> {
+    /// Writes `<name>.fmu` into the folder.
+    ///
+    /// # Panics
+    /// If the compiler is missing or fails.
+    pub fn pack(&self, folder: &Path, name: &str) -> PathBuf {
+        let scratch = tempfile::tempdir().unwrap();
+        let defines: Vec<_> = self.code.iter().map(|(macro_name, code)| format!("-D{macro_name}={code}")).collect();
+        let library = compile("generic.c", &defines, scratch.path());
+        let fmu = folder.join(format!("{name}.fmu"));
+        let platform = Foreign::default().platform;
+        archive(&fmu, &self.description(name), &format!("binaries/{platform}/{name}.so"), &library);
+        fmu
+    }
+
+    /// The text of `modelDescription.xml`.
+    fn description(&self, name: &str) -> String {
+        let (mut outputs, mut unknowns) = (String::new(), String::new());
+        for (index, variable) in self.variables.split("<ScalarVariable").enumerate().skip(1) {
+            let unknown = format!("<Unknown index=\"{index}\" dependencies=\"\"/>");
+            let is_output = variable.contains("causality=\"output\"");
+            if is_output {
+                outputs += &unknown;
+            }
+            if variable.contains("\"calculatedParameter\"") || is_output && !variable.contains("initial=\"exact\"") {
+                unknowns += &unknown;
+            }
+        }
+        let list = |tag: &str, content: &str| match content {
+            "" => String::new(),
+            content => format!("<{tag}>{content}</{tag}>"),
+        };
+        let Self { capabilities, definitions, experiment, variables, .. } = self;
+        let structure = list("Outputs", &outputs) + &list("InitialUnknowns", &unknowns);
+        format!(
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
+             <fmiModelDescription fmiVersion=\"2.0\" modelName=\"{name}\" guid=\"g\">\n\
+             <CoSimulation modelIdentifier=\"{name}\" canHandleVariableCommunicationStepSize=\"true\" {capabilities}/>\n\
+             {definitions}<LogCategories><Category name=\"logAll\"/></LogCategories>{experiment}\n\
+             <ModelVariables>{variables}</ModelVariables>\n<ModelStructure>{structure}</ModelStructure>\n\
+             </fmiModelDescription>\n"
+        )
+    }
+}
+
+fn sources() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("foreign")
+}
+
+/// Compiles a source of `tests/foreign/` to a shared library in the folder.
+#[allow(clippy::unwrap_used, reason = "a test that cannot build its unit has failed")]
+fn compile(source: &str, defines: &[String], folder: &Path) -> PathBuf {
+    let library = folder.join("unit.so");
+    let compiled = Command::new("cc")
+        .args([
+            "-std=c11",
+            "-D_DEFAULT_SOURCE",
+            "-D_GNU_SOURCE",
+            "-O1",
+            "-fPIC",
+            "-shared",
+            "-fvisibility=hidden",
+            "-w",
+        ])
+        .args(defines)
+        .arg("-o")
+        .arg(&library)
+        .arg(sources().join(source))
+        .arg("-lm")
+        .output()
+        .unwrap();
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    library
+}
+
+/// Packs a description and a library.
+#[allow(clippy::unwrap_used, reason = "a test that cannot build its unit has failed")]
+fn archive(fmu: &Path, description: &str, entry: &str, library: &Path) {
+    let mut archive = zip::ZipWriter::new(fs::File::create(fmu).unwrap());
+    let options = SimpleFileOptions::default();
+    archive.start_file("modelDescription.xml", options).unwrap();
+    archive.write_all(description.as_bytes()).unwrap();
+    archive.start_file(entry, options).unwrap();
+    archive.write_all(&fs::read(library).unwrap()).unwrap();
+    archive.finish().unwrap();
 }
