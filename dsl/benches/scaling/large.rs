@@ -154,6 +154,7 @@ pub fn understand(script: &str, units: &Units) -> (bool, String) {
     if !parsed.diagnostics.is_empty() {
         return (false, render(&sources, &parsed.diagnostics, false));
     }
-    let resolved = resolve(&Request { sources: &sources, file: &parsed.file, loader: units, settings: &[] });
+    let resolved =
+        resolve(&Request { sources: &sources, file: &parsed.file, loader: units, settings: &[], isolated: false });
     (resolved.scenario.is_some(), render(&sources, &resolved.diagnostics, false))
 }

@@ -99,6 +99,8 @@ pub struct Request<'a> {
     pub loader: &'a dyn Loader,
     /// Assignments of the command line, in order; a later one counts.
     pub settings: &'a [Binding],
+    /// Whether each instance will have a process of its own.
+    pub isolated: bool,
 }
 
 /// The result.

@@ -32,6 +32,9 @@ pub struct Check {
     /// Never build a unit
     #[arg(long)]
     no_build: bool,
+    /// Check scripts for a run with --isolate
+    #[arg(long)]
+    isolate: bool,
     /// Show what a script will do: periods, waves, connections, initialization
     #[arg(short, long)]
     verbose: bool,
@@ -82,7 +85,7 @@ impl Check {
             Some(catalogue) => catalogue,
             None => catalogue.insert(self.catalogue()?),
         };
-        let script = Script::read(file, &self.set, catalogue)
+        let script = Script::read(file, &self.set, catalogue, self.isolate)
             .map_err(|error| format!("cannot read {}: {error}", file.display()))?;
         Ok(of_script(&script, std::io::stdout().is_terminal()))
     }
@@ -170,6 +173,7 @@ mod tests {
                 set: Vec::new(),
                 units: Vec::new(),
                 no_build: true,
+                isolate: false,
                 verbose: false,
                 strict: false,
             };

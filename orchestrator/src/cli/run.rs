@@ -99,7 +99,7 @@ impl Run {
 
     fn prepare(&self) -> Result<ReadyRun, Refusal> {
         let catalogue = preparation::catalogue(&self.units, !self.no_build)?;
-        let script = Script::read(&self.script, &self.set, &catalogue)
+        let script = Script::read(&self.script, &self.set, &catalogue, self.is_isolated())
             .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", self.script.display()), None))?;
         #[cfg(feature = "bus")]
         let listening = self.live.listen()?;
@@ -124,10 +124,19 @@ impl Run {
             from: self.from.clone(),
             log_calls: self.log_fmi_calls.clone(),
             step_timeout: Some(self.step_timeout).filter(|limit| !limit.is_zero()),
-            #[cfg(feature = "bus")]
-            isolate: self.isolate,
+            isolate: self.is_isolated(),
             ..RunOptions::default()
         })
+    }
+
+    #[cfg(feature = "bus")]
+    fn is_isolated(&self) -> bool {
+        self.isolate
+    }
+
+    #[cfg(not(feature = "bus"))]
+    fn is_isolated(&self) -> bool {
+        false
     }
 
     /// The pairs of `--save-at`.

@@ -51,23 +51,36 @@ pub struct ScriptUnit {
 }
 
 impl Script {
-    /// Reads and resolves a script with these assignments of the command line.
+    /// Reads and resolves a script with these assignments of the command line. `isolated`: each instance will have a process
+    /// of its own.
     ///
     /// # Errors
     /// If the file cannot be read; errors in its content are among the diagnostics.
-    pub fn read(path: &Path, settings: &[String], catalogue: &Catalogue) -> io::Result<Self> {
+    pub fn read(path: &Path, settings: &[String], catalogue: &Catalogue, isolated: bool) -> io::Result<Self> {
         let text = String::from_utf8(std::fs::read(path)?)
             .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, format!("it is not UTF-8: {error}")))?;
         let folder = match path.parent() {
             Some(folder) if folder != Path::new("") => folder.to_owned(),
             _ => PathBuf::from("."),
         };
-        Ok(Self::of_text(path.display().to_string(), folder, text, settings, catalogue))
+        let name = path.display().to_string();
+        Ok(Self::resolved(name, folder, text, settings, catalogue, isolated))
     }
 
     /// Resolves a text with paths relative to `folder`.
     #[must_use]
     pub fn of_text(name: String, folder: PathBuf, text: String, settings: &[String], catalogue: &Catalogue) -> Self {
+        Self::resolved(name, folder, text, settings, catalogue, false)
+    }
+
+    fn resolved(
+        name: String,
+        folder: PathBuf,
+        text: String,
+        settings: &[String],
+        catalogue: &Catalogue,
+        isolated: bool,
+    ) -> Self {
         let mut script = Self {
             name: name.clone(),
             folder,
@@ -82,7 +95,7 @@ impl Script {
         script.diagnostics = parsed.diagnostics;
         let settings = script.assignments(settings);
         if script.diagnostics.is_empty() {
-            script.resolve(&parsed.file, &settings, catalogue);
+            script.resolve(&parsed.file, &settings, catalogue, isolated);
         }
         script
     }
@@ -99,9 +112,9 @@ impl Script {
         bindings
     }
 
-    fn resolve(&mut self, file: &File, settings: &[Binding], catalogue: &Catalogue) {
+    fn resolve(&mut self, file: &File, settings: &[Binding], catalogue: &Catalogue, isolated: bool) {
         let files = Files { name: &self.name, folder: &self.folder, catalogue, units: Mutex::default() };
-        let resolved = resolve(&Request { sources: &self.sources, file, loader: &files, settings });
+        let resolved = resolve(&Request { sources: &self.sources, file, loader: &files, settings, isolated });
         self.units = files.units.into_inner().unwrap_or_else(PoisonError::into_inner);
         self.diagnostics = resolved.diagnostics;
         self.scenario = resolved.scenario;

@@ -185,7 +185,8 @@ fn attempt(script: &str, settings: &[&str]) -> Result<Outcome, String> {
         .into_iter()
         .map(|setting| parse_assignment(&sources, setting).expect("a setting that parses"))
         .collect();
-    let request = Request { sources: &sources, file: &parsed.file, loader: &Memory, settings: &settings };
+    let request =
+        Request { sources: &sources, file: &parsed.file, loader: &Memory, settings: &settings, isolated: false };
     let resolved = resolve(&request);
     Ok(Outcome { sources, resolved })
 }

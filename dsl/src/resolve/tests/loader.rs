@@ -42,7 +42,8 @@ fn calls(script: &str) -> Vec<String> {
     let text = sources.add("scenarios/test.scn", script);
     let parsed = parse(&sources, text);
     let loader = Noting::default();
-    let resolved = resolve(&Request { sources: &sources, file: &parsed.file, loader: &loader, settings: &[] });
+    let resolved =
+        resolve(&Request { sources: &sources, file: &parsed.file, loader: &loader, settings: &[], isolated: false });
     assert!(!resolved.diagnostics.is_empty(), "nothing is connected");
     loader.0.into_inner().expect("no test panics here")
 }

@@ -44,7 +44,7 @@ impl Instance {
         let c_name = CString::new(name)
             .map_err(|_| failure(Cause::Other("the instance's name holds a zero character".to_owned())))?;
         if library.only_once && library.instances.load(Ordering::Acquire) > 0 {
-            let text = "the unit can be instantiated only once in a process (canBeInstantiatedOnlyOncePerProcess)";
+            let text = "the unit can be instantiated only once per process (canBeInstantiatedOnlyOncePerProcess)";
             return Err(failure(Cause::Other(text.to_owned())));
         }
         let registration = Registration::new(Environment {

@@ -75,7 +75,8 @@ fn plan(script: &str, description: &str) -> String {
     let (description, _) = read(description.as_bytes()).unwrap();
     let description = Arc::new(description);
     let tank = Tank(Arc::clone(&description));
-    let resolved = resolve(&Request { sources: &sources, file: &parsed.file, loader: &tank, settings: &[] });
+    let resolved =
+        resolve(&Request { sources: &sources, file: &parsed.file, loader: &tank, settings: &[], isolated: false });
     let scenario = resolved.scenario.unwrap_or_else(|| panic!("{:?}", resolved.diagnostics));
     text(&scenario, &vec![description.as_ref(); scenario.instances.len()])
 }
