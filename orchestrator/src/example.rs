@@ -62,6 +62,8 @@ fn variable(name: &str, kind: Kind) -> Variable {
         causality: Causality::Output,
         variability: Variability::Continuous,
         initial: None,
+        can_handle_multiple_set_per_time_instant: None,
+        annotations: Vec::new(),
         declared_type: None,
         kind,
     }

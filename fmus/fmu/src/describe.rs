@@ -186,6 +186,8 @@ fn variable(scalar: &Scalar, value_reference: u32) -> Variable {
         causality,
         variability,
         initial,
+        can_handle_multiple_set_per_time_instant: None,
+        annotations: Vec::new(),
         declared_type,
         kind: kind(scalar),
     }

@@ -49,6 +49,8 @@ fn variable(reference: usize, ports: usize) -> Variable {
         causality: if is_input { Causality::Input } else { Causality::Output },
         variability: Variability::Continuous,
         initial: None,
+        can_handle_multiple_set_per_time_instant: None,
+        annotations: Vec::new(),
         declared_type: None,
         kind: Kind::Real(RealVariable {
             start: is_input.then_some(0.0),

@@ -14,7 +14,7 @@ mod variables;
 
 use std::collections::BTreeMap;
 
-use super::{Finding, Kind, ModelDescription, Position, SimpleType, TypeKind, UnitDefinition, Variable};
+use super::{Finding, Kind, ModelDescription, Named, Position, SimpleType, TypeKind, UnitDefinition, Variable};
 
 /// All violations of the rules, in the file's order. Findings of [`read`](super::read::read) are not repeated.
 #[must_use]
@@ -64,6 +64,11 @@ impl<'a> Report<'a> {
 
     fn warning(&mut self, rule: &'static str, position: Position, message: impl Into<String>) {
         self.findings.push(Finding::warning(rule, position, message));
+    }
+
+    /// As [`Report::unique`], for elements of which only the name is kept.
+    fn unique_named(&mut self, rule: &'static str, what: &str, elements: &[Named]) {
+        self.unique(rule, what, elements.iter().map(|element| (element.name.as_str(), element.position)));
     }
 
     /// Reports names that are empty or occur twice in a list; `what` is the article and noun, as in "a unit".

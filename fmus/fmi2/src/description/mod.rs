@@ -52,8 +52,8 @@ pub struct ModelDescription {
     pub number_of_event_indicators: Option<String>,
     /// `CoSimulation`, absent for units that only do model exchange.
     pub co_simulation: Option<CoSimulation>,
-    /// Whether there is a `ModelExchange` element.
-    pub has_model_exchange: bool,
+    /// `ModelExchange`, absent for units that only do co-simulation.
+    pub model_exchange: Option<ModelExchange>,
     /// `UnitDefinitions`.
     pub units: Vec<UnitDefinition>,
     /// `TypeDefinitions`.
@@ -62,8 +62,8 @@ pub struct ModelDescription {
     pub log_categories: Vec<LogCategory>,
     /// `DefaultExperiment`.
     pub default_experiment: Option<DefaultExperiment>,
-    /// Names of the tools in `VendorAnnotations`.
-    pub vendor_annotations: Vec<String>,
+    /// The tools in `VendorAnnotations`.
+    pub vendor_annotations: Vec<Named>,
     /// `ModelVariables`, in the file's order; indices elsewhere count from 0 into this list.
     pub variables: Vec<Variable>,
     /// `ModelStructure`.
@@ -161,8 +161,28 @@ pub struct CoSimulation {
     pub can_serialize_fmu_state: bool,
     /// `providesDirectionalDerivative`.
     pub provides_directional_derivative: bool,
-    /// `SourceFiles/File/@name`.
-    pub source_files: Vec<String>,
+    /// The files in `SourceFiles`.
+    pub source_files: Vec<Named>,
+}
+
+/// `ModelExchange`: what its rules need; nothing here runs it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ModelExchange {
+    /// Position of the element.
+    pub position: Position,
+    /// `modelIdentifier`: the library's file name without extension.
+    pub model_identifier: String,
+    /// The files in `SourceFiles`.
+    pub source_files: Vec<Named>,
+}
+
+/// An element of which only the name is kept: `File` of `SourceFiles`, `Tool` of annotations.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Named {
+    /// Position of the element.
+    pub position: Position,
+    /// `name`
+    pub name: String,
 }
 
 /// `Category` of `LogCategories`.

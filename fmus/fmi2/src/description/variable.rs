@@ -3,7 +3,7 @@
 use crate::calls::{Permission, State, settable};
 use serde::{Deserialize, Serialize};
 
-use super::{Causality, Initial, Position, RealAttributes, Variability, default_initial};
+use super::{Causality, Initial, Named, Position, RealAttributes, Variability, default_initial};
 
 /// `ScalarVariable`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,6 +22,10 @@ pub struct Variable {
     pub variability: Variability,
     /// `initial` as written; [`Variable::initial_or_default`] adds the standard's defaults.
     pub initial: Option<Initial>,
+    /// `canHandleMultipleSetPerTimeInstant`, which only an input of a unit with model exchange may have.
+    pub can_handle_multiple_set_per_time_instant: Option<bool>,
+    /// The tools in `Annotations`.
+    pub annotations: Vec<Named>,
     /// `declaredType` of the child element.
     pub declared_type: Option<String>,
     /// The child element.
@@ -70,8 +74,8 @@ pub struct RealVariable {
     pub start: Option<f64>,
     /// `derivative`: 0-based index of the variable whose derivative this is (1-based in the file).
     pub derivative: Option<usize>,
-    /// `reinit`
-    pub reinit: bool,
+    /// `reinit`, which only a state of a unit with model exchange may have.
+    pub reinit: Option<bool>,
     /// Attributes that a type may declare too; the variable's own values take precedence.
     pub attributes: RealAttributes,
 }

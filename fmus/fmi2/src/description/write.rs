@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::{
-    CoSimulation, DefaultExperiment, Kind, ModelDescription, RealAttributes, SimpleType, TypeKind, UnitDefinition,
-    Unknown, Variable,
+    CoSimulation, DefaultExperiment, Kind, ModelDescription, Named, RealAttributes, SimpleType, TypeKind,
+    UnitDefinition, Unknown, Variable,
 };
 use crate::units::{BaseUnit, Dimension};
 
@@ -25,9 +25,10 @@ pub fn write(model: &ModelDescription) -> String {
     xml.put_some("generationDateAndTime", model.generation_date_and_time.as_deref());
     xml.put("variableNamingConvention", model.variable_naming_convention.name());
     xml.put_some("numberOfEventIndicators", model.number_of_event_indicators.as_deref());
-    if model.has_model_exchange {
+    if let Some(unit) = &model.model_exchange {
         xml.begin("ModelExchange");
-        xml.put("modelIdentifier", model.co_simulation.as_ref().map_or("", |unit| &unit.model_identifier));
+        xml.put("modelIdentifier", &unit.model_identifier);
+        xml.names("SourceFiles", "File", &unit.source_files);
         xml.end();
     }
     if let Some(unit) = &model.co_simulation {
@@ -44,11 +45,7 @@ pub fn write(model: &ModelDescription) -> String {
     if let Some(experiment) = &model.default_experiment {
         default_experiment(&mut xml, experiment);
     }
-    xml.list("VendorAnnotations", &model.vendor_annotations, |xml, tool| {
-        xml.begin("Tool");
-        xml.put("name", tool);
-        xml.end();
-    });
+    xml.names("VendorAnnotations", "Tool", &model.vendor_annotations);
     xml.list("ModelVariables", &model.variables, variable);
     xml.begin("ModelStructure");
     xml.list("Outputs", &model.structure.outputs, unknown);
@@ -74,12 +71,12 @@ fn co_simulation(xml: &mut Xml, unit: &CoSimulation) {
     xml.put_flag("canGetAndSetFMUstate", unit.can_get_and_set_fmu_state);
     xml.put_flag("canSerializeFMUstate", unit.can_serialize_fmu_state);
     xml.put_flag("providesDirectionalDerivative", unit.provides_directional_derivative);
-    xml.list("SourceFiles", &unit.source_files, |xml, file| {
-        xml.begin("File");
-        xml.put("name", file);
-        xml.end();
-    });
+    xml.names("SourceFiles", "File", &unit.source_files);
     xml.end();
+}
+
+fn boolean(value: bool) -> &'static str {
+    if value { "true" } else { "false" }
 }
 
 fn default_experiment(xml: &mut Xml, experiment: &DefaultExperiment) {
@@ -166,6 +163,8 @@ fn variable(xml: &mut Xml, variable: &Variable) {
     xml.put("causality", variable.causality.name());
     xml.put("variability", variable.variability.name());
     xml.put_some("initial", variable.initial.map(super::Initial::name));
+    let can_handle = variable.can_handle_multiple_set_per_time_instant;
+    xml.put_some("canHandleMultipleSetPerTimeInstant", can_handle.map(boolean));
     let declared_type = variable.declared_type.as_deref();
     match &variable.kind {
         Kind::Real(real) => {
@@ -174,7 +173,7 @@ fn variable(xml: &mut Xml, variable: &Variable) {
             real_attributes(xml, &real.attributes);
             xml.put_number("start", real.start);
             xml.put_some("derivative", real.derivative.map(one_based).as_deref());
-            xml.put_flag("reinit", real.reinit);
+            xml.put_some("reinit", real.reinit.map(boolean));
         }
         Kind::Integer { start, min, max } | Kind::Enumeration { start, min, max } => {
             xml.begin(if matches!(variable.kind, Kind::Integer { .. }) { "Integer" } else { "Enumeration" });
@@ -186,7 +185,7 @@ fn variable(xml: &mut Xml, variable: &Variable) {
         Kind::Boolean { start } => {
             xml.begin("Boolean");
             xml.put_some("declaredType", declared_type);
-            xml.put_some("start", start.map(|start| if start { "true" } else { "false" }));
+            xml.put_some("start", start.map(boolean));
         }
         Kind::String { start } => {
             xml.begin("String");
@@ -195,6 +194,7 @@ fn variable(xml: &mut Xml, variable: &Variable) {
         }
     }
     xml.end();
+    xml.names("Annotations", "Tool", &variable.annotations);
     xml.end();
 }
 
@@ -258,6 +258,14 @@ impl Xml {
             write(self, item);
         }
         self.end();
+    }
+
+    fn names(&mut self, list: &'static str, element: &'static str, items: &[Named]) {
+        self.list(list, items, |xml, item| {
+            xml.begin(element);
+            xml.put("name", &item.name);
+            xml.end();
+        });
     }
 
     /// Writes an attribute; line breaks and tabs as references, since a reader converts them to blanks.

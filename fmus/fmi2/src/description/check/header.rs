@@ -1,7 +1,7 @@
 //! Rules for the root element, `CoSimulation`, log categories, default experiment and vendor annotations.
 
 use super::Report;
-use crate::description::{CoSimulation, DefaultExperiment};
+use crate::description::{CoSimulation, DefaultExperiment, Named, Position};
 
 pub(super) fn check(report: &mut Report) {
     let model = report.model;
@@ -29,17 +29,20 @@ pub(super) fn check(report: &mut Report) {
     }
     match &model.co_simulation {
         Some(unit) => co_simulation(report, unit),
-        None if model.has_model_exchange => {
+        None if model.model_exchange.is_some() => {
             report.warning("2.2.1", at, "the unit offers ModelExchange only; to be stepped it needs CoSimulation");
         }
         None => report.error("2.2.1", at, "neither CoSimulation nor ModelExchange is there; one is needed"),
+    }
+    if let Some(unit) = &model.model_exchange {
+        interface(report, "3.3.1", "ModelExchange", (unit.position, &unit.model_identifier, &unit.source_files));
     }
     if model.variables.is_empty() {
         report.error("2.2.7", at, "there are no ModelVariables; at least one is needed");
     }
     let categories = model.log_categories.iter().map(|category| (category.name.as_str(), category.position));
     report.unique("2.2.4", "a log category", categories);
-    report.unique("2.2.6", "a tool", model.vendor_annotations.iter().map(|tool| (tool.as_str(), at)));
+    report.unique_named("2.2.6", "a tool", &model.vendor_annotations);
     if let Some(experiment) = &model.default_experiment {
         default_experiment(report, experiment);
     }
@@ -47,14 +50,7 @@ pub(super) fn check(report: &mut Report) {
 
 fn co_simulation(report: &mut Report, unit: &CoSimulation) {
     let at = unit.position;
-    let identifier = &unit.model_identifier;
-    if identifier.is_empty() {
-        report.error("4.3.1", at, "CoSimulation has no modelIdentifier, the library's file name");
-    } else if !is_c_identifier(identifier) {
-        let message =
-            format!("modelIdentifier \"{identifier}\" is no C identifier: letters, digits and `_`, no digit first");
-        report.error("4.3.1", at, message);
-    }
+    interface(report, "4.3.1", "CoSimulation", (at, &unit.model_identifier, &unit.source_files));
     if unit.can_serialize_fmu_state && !unit.can_get_and_set_fmu_state {
         report.error(
             "4.3.1",
@@ -62,14 +58,38 @@ fn co_simulation(report: &mut Report, unit: &CoSimulation) {
             "canSerializeFMUstate needs canGetAndSetFMUstate: what cannot be got cannot be serialized",
         );
     }
-    for file in &unit.source_files {
-        let parts = || file.split('/');
-        if file.contains('\\') || parts().any(|part| matches!(part, "" | "." | "..")) || file.contains(':') {
-            let message = format!("source file \"{file}\" is no path below `sources` with forward slashes");
-            report.error("4.3.1", at, message);
+}
+
+/// The attributes and source files that both kinds of interface have.
+fn interface(report: &mut Report, rule: &'static str, kind: &str, unit: (Position, &str, &[Named])) {
+    let (at, identifier, files) = unit;
+    if identifier.is_empty() {
+        report.error(rule, at, format!("{kind} has no modelIdentifier, the library's file name"));
+    } else if !is_c_identifier(identifier) {
+        let message =
+            format!("modelIdentifier \"{identifier}\" is no C identifier: letters, digits and `_`, no digit first");
+        report.error(rule, at, message);
+    }
+    let mut odd: Vec<&Named> = Vec::new();
+    for file in files.iter().filter(|file| !file.name.is_empty()) {
+        let name = &file.name;
+        if name.starts_with('/') || name.contains(['\\', ':']) || name.split('/').any(|part| part == "..") {
+            let message = format!("source file \"{name}\" is no path below `sources` with forward slashes");
+            report.error(rule, file.position, message);
+        } else if name.split('/').any(|part| matches!(part, "" | ".")) {
+            odd.push(file);
         }
     }
-    report.unique("4.3.1", "a source file", unit.source_files.iter().map(|file| (file.as_str(), at)));
+    // One warning for all: generators that write such names write hundreds.
+    if let [first, others @ ..] = odd.as_slice() {
+        let others = if others.is_empty() { String::new() } else { format!(" (and {} more like it)", others.len()) };
+        let message = format!(
+            "source file \"{}\"{others}: some tools compare names and expect none of `./` and `//`",
+            first.name
+        );
+        report.warning(rule, first.position, message);
+    }
+    report.unique_named(rule, "a source file", files);
 }
 
 fn default_experiment(report: &mut Report, experiment: &DefaultExperiment) {

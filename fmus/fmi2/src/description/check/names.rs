@@ -3,20 +3,27 @@
 use std::collections::BTreeMap;
 
 use super::Report;
-use crate::description::NamingConvention;
+use crate::description::{Kind, NamingConvention};
 
 const RULE: &str = "2.2.9";
 
 pub(super) fn check(report: &mut Report) {
     let model = report.model;
-    let names = || model.variables.iter().map(|variable| (variable.name.as_str(), variable.position));
-    report.unique("2.2.7", "a variable", names());
+    let names = model.variables.iter().map(|variable| (variable.name.as_str(), variable.position));
+    report.unique("2.2.7", "a variable", names);
     if model.variable_naming_convention != NamingConvention::Structured {
+        let is_broken = |name: &str| name.contains(['\n', '\r', '\t']);
+        for variable in model.variables.iter().filter(|variable| is_broken(&variable.name)) {
+            let name = variable.name.escape_debug();
+            report.error(RULE, variable.position, format!("`{name}` has a line break or a tab in its name"));
+        }
         return;
     }
     // For each array (the name without its last indices) the indices of its previous element.
     let mut arrays: BTreeMap<(&str, &str), (Vec<u32>, &str)> = BTreeMap::new();
-    for (name, position) in names().filter(|(name, _)| !name.is_empty()) {
+    for variable in model.variables.iter().filter(|variable| !variable.name.is_empty()) {
+        let (name, position) = (variable.name.as_str(), variable.position);
+        let is_real = matches!(variable.kind, Kind::Real(_));
         if let Err(rest) = structured(name) {
             let read = &name[..name.len() - rest.len()];
             let why = match rest.chars().next() {
@@ -30,6 +37,9 @@ pub(super) fn check(report: &mut Report) {
             );
             report.error(RULE, position, message);
             continue;
+        }
+        if name.starts_with("der(") && !is_real {
+            report.error(RULE, position, format!("`{name}` is a derivative by its name, but no Real"));
         }
         let Some((array, indices, rest)) = last_indices(name) else { continue };
         if let Some((earlier, before)) = arrays.insert((array, rest), (indices.clone(), name))

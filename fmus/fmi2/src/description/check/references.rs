@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Report;
-use crate::description::{BaseType, Kind, Variability, Variable};
+use crate::description::{BaseType, Kind, ModelDescription, Variability, Variable};
 
 const RULE: &str = "2.2.7";
 
@@ -38,12 +38,23 @@ fn pair<'a>(report: &mut Report<'a>, first: &'a Variable, other: &'a Variable) {
     } else if constants[0] && !same_start(first, other) {
         report.error(RULE, other.position, format!("{share} and are constant, but start with different values"));
     }
+    let enumerations = [first, other].map(|alias| matches!(alias.kind, Kind::Enumeration { .. }));
+    if enumerations[0] != enumerations[1] {
+        report.error(RULE, other.position, format!("{share}, but only one of them is an Enumeration"));
+    } else if enumerations[0] && !same_items(report.model, first, other) {
+        report.error(RULE, other.position, format!("{share}, but their types have different items"));
+    }
     let [left, right] = [first, other].map(|alias| report.unit_of(alias));
     if left != right {
         let [left, right] =
             [left, right].map(|unit| unit.map_or("no unit".to_owned(), |unit| format!("the unit `{unit}`")));
         report.error(RULE, other.position, format!("{share}, but have {left} and {right}; aliases have one unit"));
     }
+}
+
+fn same_items(model: &ModelDescription, first: &Variable, other: &Variable) -> bool {
+    let items = |variable| model.items_of(variable).iter().map(|item| (item.value, &item.name));
+    first.declared_type == other.declared_type || items(first).eq(items(other))
 }
 
 fn same_start(first: &Variable, other: &Variable) -> bool {

@@ -1,5 +1,7 @@
 //! Rules for the attributes of a variable: causality, variability, initial, declared type, derivative.
 
+use std::collections::BTreeSet;
+
 use super::{Report, attributes};
 use crate::description::{Causality, Initial, Kind, RealVariable, TypeKind, Variability, Variable};
 
@@ -8,12 +10,15 @@ const RULE: &str = "2.2.7";
 pub(super) fn check(report: &mut Report) {
     let model = report.model;
     let mut independent: Option<&Variable> = None;
-    for variable in &model.variables {
+    let states: BTreeSet<usize> = model.variables.iter().filter_map(derivative_of).collect();
+    for (index, variable) in model.variables.iter().enumerate() {
         combination(report, variable);
         declared_type(report, variable);
         if let Kind::Real(real) = &variable.kind {
             real_variable(report, variable, real);
         }
+        of_model_exchange(report, variable, states.contains(&index));
+        report.unique_named(RULE, &format!("a tool of the annotations of `{}`", variable.name), &variable.annotations);
         if variable.causality == Causality::Independent {
             if !matches!(variable.kind, Kind::Real(_)) {
                 let message =
@@ -168,9 +173,6 @@ fn real_variable<'a>(report: &mut Report<'a>, variable: &'a Variable, real: &Rea
         let inherited = report.unit_of(variable);
         attributes::display_unit(report, &place, &real.attributes, inherited);
     }
-    if real.reinit && !model.has_model_exchange {
-        report.warning(RULE, at, format!("`{name}` has reinit, which means something for model exchange only"));
-    }
     let Some(index) = real.derivative else { return };
     let message = match model.variables.get(index) {
         None => format!(
@@ -185,6 +187,36 @@ fn real_variable<'a>(report: &mut Report<'a>, variable: &'a Variable, real: &Rea
         Some(_) => return,
     };
     report.error(RULE, at, message);
+}
+
+/// Attributes that are for model exchange, each for one kind of variable.
+fn of_model_exchange(report: &mut Report, variable: &Variable, is_state: bool) {
+    let (name, at) = (&variable.name, variable.position);
+    let reinit = matches!(&variable.kind, Kind::Real(real) if real.reinit.is_some());
+    let attributes = [
+        ("reinit", reinit, is_state, "no continuous-time state"),
+        (
+            "canHandleMultipleSetPerTimeInstant",
+            variable.can_handle_multiple_set_per_time_instant.is_some(),
+            variable.causality == Causality::Input,
+            "no input",
+        ),
+    ];
+    for (attribute, _, may_have, kind) in attributes.into_iter().filter(|&(_, is_there, ..)| is_there) {
+        if report.model.model_exchange.is_none() {
+            report.error(RULE, at, format!("`{name}` has {attribute}, but the unit has no ModelExchange"));
+        } else if !may_have {
+            report.error(RULE, at, format!("`{name}` has {attribute}, but is {kind}"));
+        }
+    }
+}
+
+/// The index of the variable whose derivative this is.
+fn derivative_of(variable: &Variable) -> Option<usize> {
+    match &variable.kind {
+        Kind::Real(real) => real.derivative,
+        _ => None,
+    }
 }
 
 fn kind_name(variable: &Variable) -> &'static str {

@@ -2,7 +2,9 @@
 
 use super::element::Element;
 use super::{structure, types, variable};
-use crate::description::{CoSimulation, DefaultExperiment, LogCategory, ModelDescription, NamingConvention};
+use crate::description::{
+    CoSimulation, DefaultExperiment, LogCategory, ModelDescription, ModelExchange, Named, NamingConvention,
+};
 
 /// The order that the schema prescribes; the first two may be swapped.
 const ORDER: [(&str, usize); 9] = [
@@ -79,15 +81,13 @@ pub(super) fn model_description(root: &Element) -> ModelDescription {
 
 fn read_child(child: &Element, model: &mut ModelDescription) {
     match child.name() {
-        "ModelExchange" => model.has_model_exchange = true,
+        "ModelExchange" => model.model_exchange = Some(model_exchange(child)),
         "CoSimulation" => model.co_simulation = Some(co_simulation(child)),
         "UnitDefinitions" => model.units = types::units(child),
         "TypeDefinitions" => model.types = types::simple_types(child),
         "LogCategories" => model.log_categories = log_categories(child),
         "DefaultExperiment" => model.default_experiment = Some(default_experiment(child)),
-        "VendorAnnotations" => {
-            model.vendor_annotations = child.items("2.2.6", "Tool", |tool| Some(tool.text_or_empty("name")));
-        }
+        "VendorAnnotations" => model.vendor_annotations = child.items("2.2.6", "Tool", named),
         "ModelVariables" => model.variables = variable::variables(child),
         _ => model.structure = structure::model_structure(child),
     }
@@ -111,7 +111,7 @@ fn co_simulation(element: &Element) -> CoSimulation {
         ],
     );
     let flag = |name| element.boolean("4.3.1", name).unwrap_or(false);
-    let mut read = CoSimulation {
+    CoSimulation {
         position: element.position(),
         model_identifier: element.text_or_empty("modelIdentifier"),
         needs_execution_tool: flag("needsExecutionTool"),
@@ -124,16 +124,46 @@ fn co_simulation(element: &Element) -> CoSimulation {
         can_get_and_set_fmu_state: flag("canGetAndSetFMUstate"),
         can_serialize_fmu_state: flag("canSerializeFMUstate"),
         provides_directional_derivative: flag("providesDirectionalDerivative"),
-        source_files: Vec::new(),
-    };
+        source_files: source_files(element, "4.3.1"),
+    }
+}
+
+fn model_exchange(element: &Element) -> ModelExchange {
+    element.expect_attributes(
+        "3.3.1",
+        &[
+            "modelIdentifier",
+            "needsExecutionTool",
+            "completedIntegratorStepNotNeeded",
+            "canBeInstantiatedOnlyOncePerProcess",
+            "canNotUseMemoryManagementFunctions",
+            "canGetAndSetFMUstate",
+            "canSerializeFMUstate",
+            "providesDirectionalDerivative",
+        ],
+    );
+    ModelExchange {
+        position: element.position(),
+        model_identifier: element.text_or_empty("modelIdentifier"),
+        source_files: source_files(element, "3.3.1"),
+    }
+}
+
+fn source_files(element: &Element, rule: &'static str) -> Vec<Named> {
+    let mut files = Vec::new();
     for child in element.children() {
         if child.name() == "SourceFiles" {
-            read.source_files.extend(child.items("4.3.1", "File", |file| Some(file.text_or_empty("name"))));
+            files.extend(child.items(rule, "File", named));
         } else {
-            child.unknown("4.3.1", "CoSimulation");
+            child.unknown(rule, element.name());
         }
     }
-    read
+    files
+}
+
+/// A `File` or a `Tool`.
+pub(super) fn named(element: &Element) -> Option<Named> {
+    Some(Named { position: element.position(), name: element.text_or_empty("name") })
 }
 
 fn log_categories(element: &Element) -> Vec<LogCategory> {

@@ -1,6 +1,7 @@
 //! Reads `ModelVariables`. A variable is never left out, even if invalid, because indices refer to its position.
 
 use super::element::{Element, from_one};
+use super::header::named;
 use super::types::{REAL_ATTRIBUTES, real_attributes};
 use crate::description::{Causality, Initial, Kind, RealVariable, Variability, Variable};
 
@@ -27,7 +28,7 @@ fn variable(element: &Element) -> Variable {
         element.missing(RULE, "valueReference");
     }
     let name = element.text_or_empty("name");
-    let (mut kind, mut declared_type) = (None, None);
+    let (mut kind, mut declared_type, mut annotations) = (None, None, Vec::new());
     for child in element.children() {
         match self::kind(&child) {
             Some(_) if kind.is_some() => {
@@ -37,7 +38,7 @@ fn variable(element: &Element) -> Variable {
                 kind = Some(read);
                 declared_type = child.text("declaredType");
             }
-            None if child.name() == "Annotations" => {}
+            None if child.name() == "Annotations" => annotations.extend(child.items(RULE, "Tool", named)),
             None => child.unknown(RULE, "ScalarVariable"),
         }
     }
@@ -54,6 +55,8 @@ fn variable(element: &Element) -> Variable {
         causality: element.choice(RULE, "causality", &Causality::ALL, Causality::name).unwrap_or_default(),
         variability: element.choice(RULE, "variability", &Variability::ALL, Variability::name).unwrap_or_default(),
         initial: element.choice(RULE, "initial", &Initial::ALL, Initial::name),
+        can_handle_multiple_set_per_time_instant: element.boolean(RULE, "canHandleMultipleSetPerTimeInstant"),
+        annotations,
         declared_type,
         kind,
     }
@@ -69,7 +72,7 @@ fn kind(element: &Element) -> Option<Kind> {
             Kind::Real(RealVariable {
                 start: element.number(RULE, "start"),
                 derivative: element.number(RULE, "derivative").map(from_one),
-                reinit: element.boolean(RULE, "reinit").unwrap_or(false),
+                reinit: element.boolean(RULE, "reinit"),
                 attributes: real_attributes(element, RULE),
             })
         }

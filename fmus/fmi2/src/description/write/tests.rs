@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use proptest::sample::select;
 
 use super::*;
+use crate::description::ModelExchange;
 use crate::description::read::read;
 use crate::description::{
     Causality, DependencyKind, DisplayUnit, Initial, Item, LogCategory, ModelStructure, NamingConvention, Position,
@@ -29,7 +30,17 @@ pub(in crate::description) fn without_positions(mut model: ModelDescription) -> 
             items.iter_mut().for_each(|item| item.position = none);
         }
     }
-    model.variables.iter_mut().for_each(|variable| variable.position = none);
+    let interfaces = [
+        model.co_simulation.as_mut().map(|unit| &mut unit.source_files),
+        model.model_exchange.as_mut().map(|unit| &mut unit.source_files),
+    ];
+    let lists = interfaces.into_iter().flatten().chain([&mut model.vendor_annotations]);
+    lists.flatten().for_each(|element| element.position = none);
+    model.model_exchange.iter_mut().for_each(|unit| unit.position = none);
+    for variable in &mut model.variables {
+        variable.position = none;
+        variable.annotations.iter_mut().for_each(|element| element.position = none);
+    }
     let ModelStructure { outputs, derivatives, initial_unknowns, .. } = &mut model.structure;
     outputs.iter_mut().chain(derivatives).chain(initial_unknowns).for_each(|unknown| unknown.position = none);
     model
@@ -96,7 +107,7 @@ fn real_attributes() -> impl Strategy<Value = RealAttributes> {
 }
 
 fn kind() -> impl Strategy<Value = Kind> {
-    let real = (of(number()), of(0..9_usize), any::<bool>(), real_attributes()).prop_map(
+    let real = (of(number()), of(0..9_usize), any::<Option<bool>>(), real_attributes()).prop_map(
         |(start, derivative, reinit, attributes)| Kind::Real(RealVariable { start, derivative, reinit, attributes }),
     );
     let whole = any::<(Option<i32>, Option<i32>, Option<i32>)>;
@@ -111,8 +122,9 @@ fn kind() -> impl Strategy<Value = Kind> {
 
 fn variable() -> impl Strategy<Value = Variable> {
     let table = (select(&Causality::ALL), select(&Variability::ALL), of(select(&Initial::ALL)));
-    (text(), any::<u32>(), of(text()), table, of(text()), kind()).prop_map(
-        |(name, value_reference, description, (causality, variability, initial), declared_type, kind)| Variable {
+    let rare = (any::<Option<bool>>(), names());
+    (text(), any::<u32>(), of(text()), table, rare, of(text()), kind()).prop_map(
+        |(name, value_reference, description, (causality, variability, initial), rare, declared_type, kind)| Variable {
             position: Position::default(),
             name,
             value_reference,
@@ -120,6 +132,8 @@ fn variable() -> impl Strategy<Value = Variable> {
             causality,
             variability,
             initial,
+            can_handle_multiple_set_per_time_instant: rare.0,
+            annotations: rare.1,
             declared_type,
             kind,
         },
@@ -176,8 +190,12 @@ fn unknowns() -> impl Strategy<Value = Vec<Unknown>> {
     prop::collection::vec(unknown, 0..3)
 }
 
+fn names() -> impl Strategy<Value = Vec<Named>> {
+    prop::collection::vec(text().prop_map(|name| Named { position: Position::default(), name }), 0..3)
+}
+
 fn co_simulation() -> impl Strategy<Value = CoSimulation> {
-    (text(), any::<[bool; 9]>(), any::<u32>(), prop::collection::vec(text(), 0..2)).prop_map(
+    (text(), any::<[bool; 9]>(), any::<u32>(), names()).prop_map(
         |(model_identifier, flags, max_output_derivative_order, source_files)| CoSimulation {
             position: Position::default(),
             model_identifier,
@@ -199,8 +217,13 @@ fn co_simulation() -> impl Strategy<Value = CoSimulation> {
 fn header() -> impl Strategy<Value = ModelDescription> {
     let texts = prop::collection::vec(of(text()), 8);
     let naming = select(vec![NamingConvention::Flat, NamingConvention::Structured]);
-    (text(), text(), texts, naming, any::<bool>(), of(co_simulation())).prop_map(
-        |(model_name, guid, texts, variable_naming_convention, has_model_exchange, co_simulation)| {
+    let model_exchange = (text(), names()).prop_map(|(model_identifier, source_files)| ModelExchange {
+        position: Position::default(),
+        model_identifier,
+        source_files,
+    });
+    (text(), text(), texts, naming, of(model_exchange), of(co_simulation())).prop_map(
+        |(model_name, guid, texts, variable_naming_convention, model_exchange, co_simulation)| {
             let mut texts = texts.into_iter().flatten();
             ModelDescription {
                 fmi_version: "2.0".to_owned(),
@@ -215,7 +238,7 @@ fn header() -> impl Strategy<Value = ModelDescription> {
                 generation_date_and_time: texts.next(),
                 number_of_event_indicators: texts.next(),
                 variable_naming_convention,
-                has_model_exchange,
+                model_exchange,
                 co_simulation,
                 ..ModelDescription::default()
             }
@@ -228,8 +251,7 @@ fn lists() -> impl Strategy<Value = ModelDescription> {
     let categories = prop::collection::vec((text(), of(text())), 0..3);
     let few = (prop::collection::vec(unit(), 0..3), prop::collection::vec(simple_type(), 0..3));
     let structure = (unknowns(), unknowns(), unknowns());
-    let tools = prop::collection::vec(text(), 0..3);
-    (few, categories, of(experiment), tools, prop::collection::vec(variable(), 0..4), structure).prop_map(
+    (few, categories, of(experiment), names(), prop::collection::vec(variable(), 0..4), structure).prop_map(
         |((units, types), categories, experiment, vendor_annotations, variables, structure)| ModelDescription {
             units,
             types,

@@ -42,7 +42,10 @@ fn mistakes_in_the_capabilities_are_found() {
         ("name=\"tank.c\"", "name=\"..\\\\tank.c\""),
         ("name=\"tank.c\"", "name=\"/tmp/tank.c\""),
         ("<File name=\"tank.c\"/>", ""),
-        ("<File name=\"tank.c\"/>", "<File name=\"a.c\"/><File name=\"a.c\"/>"),
+        ("<File name=\"tank.c\"/>", "<File name=\"a.c\"/>\n<File name=\"b.c\"/>\n<File name=\"a.c\"/>"),
+        ("<File name=\"tank.c\"/>", "<File/>"),
+        ("<File name=\"tank.c\"/>", "<File name=\"./gc/x.c\"/>"),
+        ("<File name=\"tank.c\"/>", "<File name=\"gc//x.c\"/>\n<File name=\"./y.c\"/>\n<File name=\"gc/./z.c\"/>"),
         ("<SourceFiles>", "<Sources/><SourceFiles>"),
     ]));
 }
@@ -61,6 +64,23 @@ fn mistakes_in_categories_experiment_and_tools_are_found() {
         ("stepSize=\"0.1\"", "stepSize=\"-INF\""),
         ("stepSize=\"0.1\"", "stepSize=\"-0.1\""),
         ("<Tool name=\"Lockstep\"/>", "<Tool/>"),
-        ("<Tool name=\"Lockstep\"/>", "<Tool name=\"A\"/><Tool name=\"A\"/>"),
+        ("<Tool name=\"Lockstep\"/>", "<Tool name=\"A\"/>\n<Tool name=\"B\"/>\n<Tool name=\"A\"/>"),
     ]));
+}
+
+#[test]
+fn mistakes_in_model_exchange_are_found() {
+    let planted = |element: &str| planted(&[("<CoSimulation", &format!("{element}<CoSimulation"))]);
+    insta::assert_snapshot!(
+        [
+            planted("<ModelExchange/>"),
+            planted("<ModelExchange modelIdentifier=\"2tank\" maxOutputDerivativeOrder=\"1\"/>"),
+            planted(
+                "<ModelExchange modelIdentifier=\"tank\"><SourceFiles>\n<File name=\"a.c\"/>\n<File name=\"../b.c\"/>\n\
+                 <File name=\"a.c\"/></SourceFiles></ModelExchange>"
+            ),
+            planted("<ModelExchange modelIdentifier=\"tank\"><SourceFiles/></ModelExchange>"),
+        ]
+        .concat()
+    );
 }

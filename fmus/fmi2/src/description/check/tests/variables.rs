@@ -54,7 +54,6 @@ fn mistakes_in_units_and_types_of_variables_are_found() {
         ("<Real unit=\"m\" start=\"0.5\"/>", "<Real unit=\"m/s\" displayUnit=\"km/h\" start=\"0.5\"/>"),
         ("nominal=\"2\"", "nominal=\"0\""),
         ("nominal=\"2\"", "min=\"NaN\""),
-        ("nominal=\"2\"", "reinit=\"true\""),
         ("declaredType=\"Length\"", "declaredType=\"Width\""),
         ("declaredType=\"Count\"", "declaredType=\"Mode\""),
         ("declaredType=\"Mode\" ", ""),
@@ -62,6 +61,28 @@ fn mistakes_in_units_and_types_of_variables_are_found() {
         ("derivative=\"7\"", "derivative=\"8\""),
         ("derivative=\"7\"", "derivative=\"3\""),
     ]));
+}
+
+#[test]
+fn attributes_of_model_exchange_need_it_and_their_kind_of_variable() {
+    let both = GOOD.replace("<CoSimulation", "<ModelExchange modelIdentifier=\"tank\"/><CoSimulation");
+    let multiple = "canHandleMultipleSetPerTimeInstant=\"false\" ";
+    let input = ("name=\"inflow\" ", format!("name=\"inflow\" {multiple}"));
+    let output = ("name=\"level\" ", format!("name=\"level\" {multiple}"));
+    let state = ("<Real unit=\"m\" start=\"0.5\"", "<Real unit=\"m\" reinit=\"false\" start=\"0.5\"".to_owned());
+    let other = ("<Real start=\"1\"", "<Real reinit=\"true\" start=\"1\"".to_owned());
+    let changed = |xml: &str, (from, to): &(&str, String)| findings(&xml.replace(from, to));
+    assert_eq!(changed(&both, &input) + &changed(&both, &state), "");
+    let alone = [&input, &output, &state, &other].map(|change| changed(GOOD, change)).concat();
+    insta::assert_snapshot!(alone + &changed(&both, &output) + &changed(&both, &other));
+}
+
+#[test]
+fn annotations_of_a_variable_name_each_tool_once() {
+    let alias = "name=\"alias\" valueReference=\"6\" causality=\"local\">\n      <Real/>";
+    let twice =
+        format!("{alias}<Annotations>\n<Tool name=\"x\"/>\n<Tool name=\"y\"/>\n<Tool name=\"x\"/></Annotations>");
+    insta::assert_snapshot!(planted(&[(alias, &twice), (alias, &format!("{alias}<Annotations/>"))]));
 }
 
 #[test]
@@ -77,6 +98,7 @@ fn mistakes_in_names_are_found() {
         ("name=\"alias\"", "name=\"''\""),
         ("name=\"alias\"", "name=\"größe\""),
         ("name=\"row[2]\"", "name=\"row[0]\""),
+        ("name=\"full\"", "name=\"der(level,2)\""),
     ]));
 }
 
@@ -87,6 +109,8 @@ fn structured_names_may_be_nested_indexed_quoted_and_derivatives() {
     }
     let flat = GOOD.replace("\"structured\"", "\"flat\"");
     assert_eq!(findings(&flat.replace("name=\"alias\"", "name=\"any thing\"")), "");
+    let broken = findings(&flat.replace("name=\"alias\"", "name=\"any&#10;thing\""));
+    assert_eq!(broken, "85:5: error[2.2.9]: `any\\nthing` has a line break or a tab in its name\n");
 }
 
 #[test]
@@ -97,6 +121,7 @@ fn mistakes_in_aliases_are_found() {
         (alias, "name=\"alias\" valueReference=\"4\" initial=\"exact\"><Real unit=\"m\" start=\"1\"/>"),
         (alias, "name=\"alias\" valueReference=\"6\" variability=\"constant\"><Real start=\"1\"/>"),
         (alias, "name=\"alias\" valueReference=\"0\" variability=\"constant\"><String start=\"tub\"/>"),
+        (alias, "name=\"alias\" valueReference=\"1\" variability=\"discrete\"><Integer/>"),
     ]));
 }
 
