@@ -5,7 +5,9 @@ import csv
 import json
 import os
 import re
+import resource
 import signal
+import socket
 import struct
 import subprocess
 import sys
@@ -25,10 +27,13 @@ INSTANCES = ("path", "air", "ctrl", "quad")
 class LiveRun:
     """A running process that can be watched."""
 
-    def __init__(self, out, *arguments):
+    def __init__(self, out, *arguments, open_files=None):
         self.out = out
         command = [PROGRAM, "run", SCRIPT, "--units", PACKED, "--out", out, *arguments]
+        before = resource.getrlimit(resource.RLIMIT_NOFILE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (open_files or before[0], before[1]))
         self.process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
         self.said = ""
         while not (match := re.search(r"^live: run (\w+) at (\S+)\nhelp: watch it with (.*)\n", self.said, re.MULTILINE)):
             line = self.process.stderr.readline()
@@ -46,6 +51,11 @@ class LiveRun:
         """Interrupts the run after its current step; returns the standard error."""
         self.process.send_signal(signal.SIGINT)
         return self.end()
+
+    def peak_memory(self):
+        """The most bytes of memory that it has taken so far."""
+        status = Path(f"/proc/{self.process.pid}/status").read_text()
+        return 1024 * int(re.search(r"VmHWM:\s+(\d+) kB", status)[1])
 
     def rows(self):
         """The trace's rows by tick."""
@@ -80,8 +90,8 @@ def launch(tmp_path):
     """Starts runs that can be watched; those still running at the end of the test are killed."""
     runs = []
 
-    def start(*arguments, name="run"):
-        runs.append(LiveRun(tmp_path / name, *arguments))
+    def start(*arguments, name="run", **limits):
+        runs.append(LiveRun(tmp_path / name, *arguments, **limits))
         return runs[-1]
 
     yield start
@@ -260,6 +270,40 @@ def test_thirty_watchers_and_a_stopped_one_neither_change_nor_delay_a_run(launch
     for file in ("trace.csv", "signals.json", "verdict.json"):
         assert (watched.out / file).read_bytes() == (alone.out / file).read_bytes()
     assert all(watcher.values("quad") for watcher in watchers)
+
+
+def connect_often(address):
+    """Opens 1,000 connections that say nothing; more than a run may have descriptors by default."""
+    host, port = address.removeprefix("tcp/").split(":")
+    allowed = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    resource.setrlimit(resource.RLIMIT_NOFILE, (allowed, allowed))
+    return [socket.create_connection((host, int(port))) for _ in range(1000)]
+
+
+def put_much(address):
+    """Sends two messages of 200 MB, which is more than the run may put together before it rejects them."""
+    watchers = [Watcher(address, "none") for _ in range(2)]
+    for watcher in watchers:
+        watcher.session.put("lockstep/a/live", bytes(200 << 20), congestion_control=zenoh.CongestionControl.BLOCK)
+    return [watcher.session for watcher in watchers]
+
+
+@pytest.mark.parametrize("flood", [connect_often, put_much])
+@pytest.mark.parametrize("placement", [(), ("--isolate",)])
+def test_a_flood_changes_no_byte_and_takes_little_memory(launch, flood, placement, tmp_path):
+    calm = launch("--live", name="calm")
+    calm.end()
+    live = launch("--live", "--pace", "1", "--save-at", "2s", tmp_path / "saved", *placement, name="flooded", open_files=256)
+    before = live.peak_memory()
+    with contextlib.ExitStack() as stack:
+        for connection in flood(live.address):
+            stack.enter_context(connection)
+        until(lambda: len((live.out / "trace.csv.partial").read_bytes().splitlines()) > 500)
+        assert live.peak_memory() - before < 64 << 20
+        live.interrupt()
+    assert live.process.returncode == 130 and (tmp_path / "saved").exists(), live.said
+    so_far = (live.out / "trace.csv").read_bytes()
+    assert (calm.out / "trace.csv").read_bytes().startswith(so_far)
 
 
 def test_the_name_of_a_run_is_in_none_of_its_results(launch):

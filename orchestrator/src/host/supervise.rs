@@ -70,8 +70,6 @@ pub fn supervise<W: Write>(
     let signals = Signals::new([SIGINT, SIGTERM]).map_err(start_error("listen for Ctrl-C"))?;
     let board = if spec.worker_of.is_some() { Board::private(&layout) } else { Board::create(&spec.board, &layout) };
     let board = Arc::new(board.map_err(start_error("make the board of the run"))?);
-    // Last, so that rows are in the files before the end of the run is published.
-    live.into_iter().for_each(|begin| recorder.add(begin(&board)));
     let stepping = match (&spec.worker_of, start_workers) {
         (None, _) => SteppingProcess::start(program, spec)
             .map(|process| -> Box<dyn Stepping> { Box::new(process) })
@@ -80,8 +78,11 @@ pub fn supervise<W: Write>(
             start_workers(program, spec, &board).map_err(start_error("start the workers"))
         }
         (Some(_), None) => Err(start_error("start the workers")(io::ErrorKind::Unsupported.into())),
-    };
-    supervise_loop(Supervision::new(spec, saving, &board, recorder, console), signals, stepping?)
+    }?;
+    // Last, so that all that a run opens is open before clients connect, and that rows are in the files before the end of the
+    // run is published.
+    live.into_iter().for_each(|begin| recorder.add(begin(&board)));
+    supervise_loop(Supervision::new(spec, saving, &board, recorder, console), signals, stepping)
 }
 
 /// The order of the parameters is that in which they are dropped, last to first: what steps a run that is given up ends

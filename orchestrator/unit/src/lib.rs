@@ -8,6 +8,7 @@ pub mod archive;
 pub mod board;
 pub mod call_log;
 pub mod describe;
+pub mod descriptors;
 pub mod error;
 pub mod exit;
 pub mod failure;

@@ -12,12 +12,19 @@ pub const ANY_LOCAL_PORT: &str = "tcp/127.0.0.1:0";
 /// No scouting, and no port but the requested one. Clients may subscribe and query. What they publish or declare besides is
 /// rejected, so that it reaches neither the run nor other clients. zenoh admits or denies a subscription as a whole, and a
 /// client may subscribe to more than `lockstep/**`; hence `**` for ingress, while egress is limited to `lockstep/**`.
+///
+/// The limits of `transport` keep clients from using up memory and descriptors: a message is put together before the rules
+/// act on it, and a connection takes a descriptor before its client has said anything.
 const SETTINGS: &str = r#"{
     mode: "peer",
     connect: { endpoints: [] },
     listen: { endpoints: [ENDPOINT], timeout_ms: 0, exit_on_failure: true },
     scouting: { multicast: { enabled: false }, gossip: { enabled: false } },
     timestamping: { enabled: false },
+    transport: {
+        unicast: { max_sessions: SESSIONS, accept_pending: SESSIONS, accept_timeout: 3000 },
+        link: { rx: { max_message_size: MESSAGE_BYTES } },
+    },
     access_control: {
         enabled: true,
         default_permission: "deny",
@@ -31,6 +38,11 @@ const SETTINGS: &str = r#"{
         policies: [{ rules: ["in", "out"], subjects: ["anyone"] }],
     },
 }"#;
+
+/// How many clients can be connected at a time.
+const SESSIONS: usize = 100;
+/// The longest message that a client can send, which is a query.
+const MESSAGE_BYTES: usize = 8 << 10;
 
 /// Why a session cannot listen at an endpoint.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -77,7 +89,9 @@ impl Listening {
     pub fn at(endpoint: &str) -> Result<Self, ListenError> {
         let refused = |error| ListenError::new(endpoint, &error);
         let quoted = serde_json::Value::from(endpoint).to_string();
-        let settings = Config::from_json5(&SETTINGS.replace("ENDPOINT", &quoted)).map_err(refused)?;
+        let settings = SETTINGS.replace("SESSIONS", &SESSIONS.to_string());
+        let settings = settings.replace("MESSAGE_BYTES", &MESSAGE_BYTES.to_string()).replace("ENDPOINT", &quoted);
+        let settings = Config::from_json5(&settings).map_err(refused)?;
         let session = zenoh::open(settings).wait().map_err(refused)?;
         let locators = session.info().locators().wait();
         let mut addresses: Vec<_> = locators.iter().map(ToString::to_string).collect();

@@ -5,6 +5,8 @@ use crate::find::preparation::Refusal;
 use crate::host::execution::ReadyRun;
 use crate::run::prepared_run::PreparedRun;
 use results::report::status;
+use results::sink::Sink;
+use unit::descriptors::raise_limit;
 
 /// What a run is told about those who watch.
 #[derive(Debug, clap::Args)]
@@ -27,6 +29,8 @@ impl Live {
     pub fn listen(&self) -> Result<Option<Listening>, Refusal> {
         let unnamed = self.live_every_tick.then_some(ANY_LOCAL_PORT);
         let Some(endpoint) = self.live.as_deref().or(unnamed) else { return Ok(None) };
+        // Each client takes a descriptor, and so does each connection that has not said yet that it is one.
+        raise_limit();
         let listening = Listening::at(endpoint).map_err(|error| refusal(&error))?;
         if listening.is_open_to_others() {
             status(&format!(
@@ -37,14 +41,17 @@ impl Live {
         Ok(Some(listening))
     }
 
-    /// Makes a run one that can be watched, and prints how.
+    /// Makes a run one that can be watched; how is printed when it begins.
     pub fn show(&self, listening: Option<Listening>, run: PreparedRun) -> Result<ReadyRun, Refusal> {
         let Some(listening) = listening else { return Ok(run.into()) };
         let rate = if self.live_every_tick { Rate::EveryTick } else { Rate::Sample };
         let addresses = listening.addresses().to_vec();
         let watch = Watch::new(listening, &run.spec, rate).map_err(|error| refusal(&error))?;
-        status(&text(watch.run(), &addresses));
-        Ok(ReadyRun { run, live: Some(Box::new(|board| Box::new(watch.on(board)))) })
+        let begin = move |board: &_| -> Box<dyn Sink> {
+            status(&text(watch.run(), &addresses));
+            Box::new(watch.on(board))
+        };
+        Ok(ReadyRun { run, live: Some(Box::new(begin)) })
     }
 }
 
