@@ -2,9 +2,10 @@
 
 use std::rc::Rc;
 
-use super::meaning::{Meaning, Measure, Real, UnitName};
+use super::meaning::{Meaning, Measure, Origin, Real, UnitName};
 use super::measure::quantity;
 use super::real;
+use super::scale::Scale;
 use super::scope::Scope;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -37,8 +38,14 @@ impl Scope<'_, '_> {
         let spans = (left.span, right.span);
         match (is_vector(&l), is_vector(&r)) {
             (false, false) => {
-                let (l, r) = (self.real(&l, left.span), self.real(&r, right.span));
-                self.combined(operator, (&l?, &r?), spans).map(Meaning::Real)
+                let (l, r) = (self.operand(&l, left.span), self.operand(&r, right.span));
+                let (l, r) = (l?, r?);
+                let (l, r) = if is_sum(operator) {
+                    (self.read_beside((&l, left.span), &r)?, self.read_beside((&r, right.span), &l)?)
+                } else {
+                    (self.read_alone(&l, left.span)?, self.read_alone(&r, right.span)?)
+                };
+                self.combined(operator, (&l, &r), spans).map(Meaning::Real)
             }
             (true, true) if is_sum(operator) => self.vector_sum(operator, (&l, &r), spans),
             (true, false) if !is_sum(operator) => {
@@ -94,7 +101,8 @@ impl Scope<'_, '_> {
         };
         let unit = if is_sum(operator) { preferred(of.0, of.1) } else { None };
         let expression = real::combine(operator, of.0.expression.clone(), of.1.expression.clone());
-        self.finite(Real::computed(expression, measure, unit), spans.0.to(spans.1))
+        let scale = Scale::combined(operator, of.0.scale, of.1.scale);
+        self.finite(Real::computed(expression, measure, unit).on(scale), spans.0.to(spans.1))
     }
 
     /// Refuses a constant that is no number.
@@ -128,9 +136,14 @@ impl Scope<'_, '_> {
         let ((left, left_span), (right, right_span)) = (pair.left, pair.right);
         for ((value, span), (other, other_span)) in [(pair.left, pair.right), (pair.right, pair.left)] {
             if value.is_quantity() && other.measure == Measure::Undeclared {
-                self.warn_undeclared(value, span, &format!("`{}`", self.text(other_span)));
+                let of = match other.origin {
+                    Origin::Port(port) => Some(port),
+                    _ => None,
+                };
+                self.warn_undeclared(value, span, &format!("`{}`", self.text(other_span)), of);
             }
         }
+        self.warn_other_names(pair.left, pair.right);
         if let Some(measure) = left.measure.unify(right.measure) {
             return Some(measure);
         }
@@ -167,7 +180,10 @@ impl Scope<'_, '_> {
             return None;
         }
         let meaning = self.evaluate(of)?;
-        let opposite = |value: Real| Real::computed(real::negate(value.expression), value.measure, value.unit);
+        let opposite = |value: Real| {
+            let scale = if value.scale.is_difference() { value.scale } else { Scale::Either };
+            Real::computed(real::negate(value.expression), value.measure, value.unit).on(scale)
+        };
         if is_vector(&meaning) {
             let elements = self.reals(&meaning, of.span)?;
             let elements = elements.into_iter().map(|element| Rc::new(Meaning::Real(opposite(element))));

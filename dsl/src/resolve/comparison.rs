@@ -64,8 +64,12 @@ impl Scope<'_, '_> {
             }
             return Some(Condition::Plain(if operator == Comparator::Equal { equal } else { not(equal) }));
         }
-        let (l, r) = (self.real(left, sides.left.span), self.real(right, sides.right.span));
-        self.bound(sides, &l?, &r?)
+        let (l, r) = (self.operand(left, sides.left.span), self.operand(right, sides.right.span));
+        let (l, r) = (l?, r?);
+        let (left, right) = ((&l, sides.left.span), (&r, sides.right.span));
+        let (l, r) = (self.read_beside(left, &r)?, self.read_beside(right, &l)?);
+        self.check_scales((&l, left.1), (&r, right.1))?;
+        self.bound(sides, &l, &r)
     }
 
     fn bound(&self, sides: &Sides<'_>, left: &Real, right: &Real) -> Option<Condition> {
@@ -81,7 +85,7 @@ impl Scope<'_, '_> {
             Comparator::Greater => (difference(left, right), true, false),
             Comparator::GreaterEqual => (difference(left, right), false, false),
             Comparator::Equal | Comparator::NotEqual => {
-                let value = self.closeness(sides, difference(left, right), measure, right)?;
+                let value = self.closeness(sides, difference(left, right), measure, (left, right))?;
                 (value, false, false)
             }
         };
@@ -109,7 +113,7 @@ impl Scope<'_, '_> {
         sides: &Sides<'_>,
         difference: RealExpression,
         measure: Measure,
-        right: &Real,
+        (left, right): (&Real, &Real),
     ) -> Option<RealExpression> {
         let Some(tolerance) = &sides.link.tolerance else {
             let (l, r) = (self.text(sides.left.span), self.text(sides.right.span));
@@ -129,7 +133,9 @@ impl Scope<'_, '_> {
             return None;
         }
         let meaning = self.evaluate(tolerance)?;
-        let tolerance_value = self.real(&meaning, tolerance.span)?;
+        let tolerance_value = self.operand(&meaning, tolerance.span)?;
+        let beside = if matches!(left.origin, Origin::Port(_)) { left } else { right };
+        let tolerance_value = self.read_beside((&tolerance_value, tolerance.span), beside)?;
         let distance = Real::computed(real::call(Function::Abs, vec![difference]), measure, right.unit.clone());
         let pair = Pair { left: (&distance, sides.span()), right: (&tolerance_value, tolerance.span) };
         self.unified(pair, "E02", "compare")?;

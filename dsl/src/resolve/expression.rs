@@ -5,9 +5,11 @@ use std::rc::Rc;
 use fmi2::units::{BaseUnit, Dimension};
 
 use super::frame::Placed;
+use super::literal::literal;
 use super::meaning::{Condition, Group, Meaning, Measure, Origin, Real, Text};
 use super::measure::unit_name;
 use super::real;
+use super::scale::Scale;
 use super::scope::Scope;
 use super::script::{Declaration, not_yet};
 use crate::diagnostic::Diagnostic;
@@ -96,7 +98,7 @@ impl Scope<'_, '_> {
             Meaning::Real(value) if value.measure == Measure::PLAIN => {
                 let unit = Some(unit_name(name, base, true));
                 let value = real::to_si(value.expression.clone(), base);
-                Meaning::Real(Real::computed(value, Measure::Known(base.dimension), unit))
+                Meaning::Real(Real::computed(value, Measure::Known(base.dimension), unit).on(Scale::of(base)))
             }
             other => {
                 let message = format!("`{}` cannot take the unit behind the list, `{name}`", self.text(span));
@@ -174,7 +176,8 @@ impl Scope<'_, '_> {
 
     fn in_unit(&self, whole: &Expression, of: &Expression, unit: &Word) -> Option<Meaning> {
         let (meaning, base) = (self.evaluate(of), self.unit_of_measure(unit, whole));
-        let (value, base) = (self.real(&*meaning?, of.span)?, base?);
+        let value = self.operand(&*meaning?, of.span)?;
+        let (value, base) = self.converted(&value, of, (base?, unit))?;
         let Measure::Known(dimension) = value.measure else {
             let message = format!("`{}` declares no unit that could be taken out", self.text(of.span));
             return self.refuse(
@@ -197,20 +200,38 @@ impl Scope<'_, '_> {
 
     fn as_unit(&self, whole: &Expression, of: &Expression, unit: &Word) -> Option<Meaning> {
         let (meaning, base) = (self.evaluate(of), self.unit_of_measure(unit, whole));
-        let (value, base) = (self.real(&*meaning?, of.span)?, base?);
+        let value = self.operand(&*meaning?, of.span)?;
+        let (value, base) = self.converted(&value, of, (base?, unit))?;
         if !matches!(value.measure, Measure::Undeclared | Measure::Known(Dimension::NONE)) {
             let message = format!("`{}` has a unit already", self.text(of.span));
             let error = Diagnostic::error("E33", of.span, message).saying(self.described(&value));
             return self
                 .refuse(error.help(format!("units are converted by themselves; the number is `… in {}`", unit.text)));
         }
+        let scale = if value.scale.is_difference() { value.scale } else { Scale::of(base) };
         let expression = real::to_si(value.expression, base);
         let unit = Some(unit_name(&unit.text, base, true));
-        Some(Meaning::Real(Real::computed(expression, Measure::Known(base.dimension), unit)))
+        Some(Meaning::Real(Real::computed(expression, Measure::Known(base.dimension), unit).on(scale)))
+    }
+
+    /// A value and the unit that it is brought to by `in` or gets by `as`: the value's FMU may define that name, and a
+    /// difference has no offset.
+    fn converted(&self, value: &Real, of: &Expression, (base, unit): (BaseUnit, &Word)) -> Option<(Real, BaseUnit)> {
+        let wanted = self.read_beside((&literal(0.0, base, &unit.text), unit.span), value)?;
+        let base = match wanted.origin {
+            Origin::Literal { base, .. } if wanted.measure != Measure::Undeclared => base,
+            _ => base,
+        };
+        Some((self.read_beside((value, of.span), &wanted)?, base))
     }
 
     /// One real number.
     pub fn real(&self, meaning: &Meaning, span: Span) -> Option<Real> {
+        self.read_alone(&self.operand(meaning, span)?, span)
+    }
+
+    /// One real number that another or a variable may give the meaning of its unit.
+    pub fn operand(&self, meaning: &Meaning, span: Span) -> Option<Real> {
         match meaning {
             Meaning::Real(value) => Some(value.clone()),
             Meaning::Integer(port) => Some(Real {
@@ -218,6 +239,7 @@ impl Scope<'_, '_> {
                 measure: Measure::PLAIN,
                 unit: None,
                 origin: Origin::Port(*port),
+                scale: Scale::Either,
             }),
             Meaning::List(elements) => self.refuse(self.one_expected(span, elements.len())),
             Meaning::Group(group) => self.refuse(self.one_expected(span, group.members.len())),
@@ -297,15 +319,5 @@ impl Scope<'_, '_> {
     pub fn must_be_known(&self, span: Span) -> Diagnostic {
         let message = format!("`{}` is not known before the run", self.text(span));
         Diagnostic::error("E27", span, message).help("numbers, parameters and what is computed from them stand here")
-    }
-}
-
-/// A number with its unit, as written.
-fn literal(number: f64, base: BaseUnit, name: &str) -> Real {
-    Real {
-        expression: RealExpression::Constant(base.to_si(number)),
-        measure: Measure::Known(base.dimension),
-        unit: Some(unit_name(name, base, true)),
-        origin: Origin::Literal { number, base, has_unit: true },
     }
 }

@@ -67,10 +67,9 @@ impl Scope<'_, '_> {
     }
 
     fn fit_real(&self, value: &Real, target: Port, at: Meeting<'_>) -> Option<Drive> {
+        let value = &self.read_for(value, target, at.source)?;
         let (Measure::Known(given), Some(taken)) = (value.measure, self.declared_unit(target)) else {
-            if self.declared_unit(target).is_none() {
-                self.warn_undeclared(value, at.source, &format!("`{}`", self.port_name(target)));
-            }
+            self.warn_undeclared_target(value, target, at);
             return Some(match value.origin {
                 Origin::Port(port) => Drive::Copy(port),
                 _ => Drive::Real(value.expression.clone()),
@@ -83,6 +82,7 @@ impl Scope<'_, '_> {
         if !agrees {
             return self.refuse(self.dimensions_differ(value, target, at));
         }
+        self.check_scale(value, target, at)?;
         Some(match value.origin {
             Origin::Literal { number, base, .. } if base == taken => Drive::Real(RealExpression::Constant(number)),
             Origin::Port(port) if self.declared_unit(port) == Some(taken) => Drive::Copy(port),

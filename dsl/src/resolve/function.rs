@@ -8,6 +8,7 @@ use super::arithmetic::{Pair, is_vector, preferred};
 use super::meaning::{Condition, Meaning, Measure, Real, Text};
 use super::measure::quantity;
 use super::real;
+use super::scale::Scale;
 use super::scope::Scope;
 use super::script::not_yet;
 use crate::diagnostic::Diagnostic;
@@ -96,8 +97,10 @@ impl Scope<'_, '_> {
             let error = Diagnostic::error("E02", span, message).saying(self.described(&value));
             return self.refuse(error.help("take the number out with `in`, or divide by a quantity"));
         };
-        let unit = if function == Function::Abs { value.unit } else { None };
-        let value = Real::computed(real::call(function, vec![value.expression]), measure, unit);
+        let is_abs = function == Function::Abs;
+        let scale = if is_abs && value.scale.is_difference() { value.scale } else { Scale::Either };
+        let unit = if is_abs { value.unit } else { None };
+        let value = Real::computed(real::call(function, vec![value.expression]), measure, unit).on(scale);
         self.finite(value, call.span).map(Meaning::Real)
     }
 
@@ -148,10 +151,19 @@ impl Scope<'_, '_> {
             let pair = Pair { left: (&all, *first_span), right: (value, *span) };
             let measure = self.unified(pair, code, &format!("`{}`", call.name.text))?;
             let unit = preferred(&all, value);
-            all = Real { measure, unit, ..all };
+            let scale = match function {
+                Function::Sum => Scale::combined(Operator::Add, all.scale, value.scale),
+                Function::Norm => Scale::Either,
+                _ => {
+                    self.check_scales(pair.left, pair.right)?;
+                    all.scale.joined(value.scale)
+                }
+            };
+            all = Real { measure, unit, scale, ..all };
         }
         let expressions = values.iter().map(|(value, _)| value.expression.clone()).collect();
-        self.finite(Real::computed(real::call(function, expressions), all.measure, all.unit), call.span)
+        let joined = Real::computed(real::call(function, expressions), all.measure, all.unit).on(all.scale);
+        self.finite(joined, call.span)
     }
 
     fn norm(&self, call: &Call<'_>) -> Option<Meaning> {
@@ -172,7 +184,8 @@ impl Scope<'_, '_> {
             Some((Real::computed(expression, measure, preferred(from, to)), call.span))
         };
         let differences: Option<Vec<_>> = from.iter().zip(&to).map(difference).collect();
-        self.joined(call, Function::Norm, &differences?, "E02").map(Meaning::Real)
+        let distance = self.joined(call, Function::Norm, &differences?, "E02")?;
+        Some(Meaning::Real(distance.on(Scale::Difference { declared: false })))
     }
 
     fn atan2(&self, call: &Call<'_>) -> Option<Meaning> {

@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use fmi2::units::{BaseUnit, Dimension};
 
+use super::scale::Scale;
 use crate::scenario::{BooleanExpression, Limit, Margin, MarginUnit, Port, RealExpression, TickWindow};
 use crate::source::{FileRef, Span};
 use crate::syntax::TemporalWord;
@@ -38,6 +39,8 @@ pub(super) struct Real {
     pub unit: Option<UnitName>,
     /// Where it comes from.
     pub origin: Origin,
+    /// Whether it is a point on a scale or a difference.
+    pub scale: Scale,
 }
 
 /// What a real number measures.
@@ -166,13 +169,24 @@ impl Measure {
 impl Real {
     /// A computed value.
     pub fn computed(expression: RealExpression, measure: Measure, unit: Option<UnitName>) -> Self {
-        Self { expression, measure, unit, origin: Origin::Computed }
+        Self { expression, measure, unit, origin: Origin::Computed, scale: Scale::Either }
+    }
+
+    /// The same value, known to be on a scale.
+    pub fn on(self, scale: Scale) -> Self {
+        Self { scale, ..self }
     }
 
     /// A plain number as written.
     pub fn plain(number: f64) -> Self {
         let origin = Origin::Literal { number, base: BaseUnit::default(), has_unit: false };
-        Self { expression: RealExpression::Constant(number), measure: Measure::PLAIN, unit: None, origin }
+        Self {
+            expression: RealExpression::Constant(number),
+            measure: Measure::PLAIN,
+            unit: None,
+            origin,
+            scale: Scale::Either,
+        }
     }
 
     /// The value, if it is known before the run.

@@ -6,9 +6,7 @@ use fmi2::units::{BaseUnit, Dimension};
 use super::meaning::{Measure, Origin, Real, UnitName};
 use super::real;
 use super::scope::Scope;
-use crate::diagnostic::Diagnostic;
 use crate::scenario::{MarginUnit, Port, RealExpression};
-use crate::source::Span;
 
 /// Dimensions with an everyday name; exponents of kg m s A K mol cd rad.
 const QUANTITIES: [([i8; 8], &str); 22] = [
@@ -61,6 +59,12 @@ pub(super) fn si_name(dimension: Dimension) -> String {
     name
 }
 
+/// A unit of measure as a script writes it: other than simple names in quotes.
+pub(super) fn as_written(unit: &str) -> String {
+    let is_name = unit.chars().all(|letter| letter.is_alphanumeric() || "*/^-%°²³".contains(letter));
+    if is_name && unit != "in" { unit.to_owned() } else { format!("'{unit}'") }
+}
+
 /// A unit for people; on a scale with an offset, differences are in SI.
 pub(super) fn unit_name(name: &str, base: BaseUnit, written: bool) -> UnitName {
     let unit = if base.offset == 0.0 {
@@ -85,7 +89,7 @@ impl Scope<'_, '_> {
             Some(base) => (real::to_si(signal, base), Measure::Known(base.dimension), unit_name(name, base, false)),
             None => (signal, Measure::Undeclared, unit_name(name, BaseUnit::default(), false)),
         };
-        Real { expression, measure, unit: Some(unit), origin: Origin::Port(port) }
+        Real { expression, measure, unit: Some(unit), origin: Origin::Port(port), scale: self.scale(port) }
     }
 
     /// `N  (kg m/s^2, quadcopter)`: the unit of a variable with its base units and the FMU.
@@ -118,24 +122,10 @@ impl Scope<'_, '_> {
             _ => si,
         }
     }
-
-    /// Warns that a quantity is passed to a variable without unit.
-    pub fn warn_undeclared(&self, value: &Real, span: Span, variable: &str) {
-        let (Origin::Literal { number, base, has_unit: true }, Some(si)) = (value.origin, value.constant()) else {
-            return;
-        };
-        let written = value.unit.as_ref().map_or("", |unit| unit.spelt.as_str());
-        let si_unit = si_name(base.dimension);
-        let shown = if si_unit.is_empty() { String::new() } else { format!(" ({si_unit})") };
-        let message = format!("{variable} declares no unit; {number} {written} is passed as {}{shown}", six_digits(si));
-        let accept = if si_unit.is_empty() { format!("{si}") } else { format!("{number} {written} in {si_unit}") };
-        let help = format!("to pass {number} write `{number} {written} in {written}`; to accept write `{accept}`");
-        self.report(Diagnostic::warning("W01", span, message).help(help));
-    }
 }
 
 /// A number for people.
-fn six_digits(value: f64) -> String {
+pub(super) fn six_digits(value: f64) -> String {
     let rounded = format!("{value:.6}");
     let short = rounded.trim_end_matches('0').trim_end_matches('.');
     let exact = format!("{value}");

@@ -32,7 +32,7 @@
 //! | E29 | a comparison that cannot be read: `==` of reals without `±`, a chain that changes direction |
 //! | E30 | a temporal word outside claims |
 //! | E31 | a function with the wrong arguments |
-//! | E32 | a temperature scale with an offset in a sum, product or tolerance |
+//! | E32 | a temperature scale with an offset in a sum, product or tolerance; a difference instead of a point on a scale |
 //! | E33 | a unit of measure with two meanings, `in` or `as` where they do not fit |
 //! | E34 | no such item of an enumeration |
 //! | E35 | two windows over one port |
@@ -40,7 +40,7 @@
 //! | E37 | a value of `--set` of another kind than the parameter's |
 //! | E38 | a number out of range |
 //! | E39 | a value that is too large or too deeply nested to be meant |
-//! | W01 | a quantity is passed to a variable that declares no unit |
+//! | W01 | a value is passed to a variable that declares no unit, or one that its description does not define |
 //! | W02 | an input without driver and start value |
 //! | W03 | two instances of one unit draw the same random numbers |
 //! | W04 | a window that opens after the end of the run |
@@ -67,17 +67,20 @@ mod function;
 mod grid;
 mod initial;
 mod library;
+mod literal;
 mod meaning;
 mod measure;
 mod parameter;
 mod preset;
 mod reads;
 mod real;
+mod scale;
 mod scope;
 mod script;
 mod share;
 mod signal;
 mod temporal;
+mod undeclared;
 mod unit;
 mod unit_name;
 mod wave;

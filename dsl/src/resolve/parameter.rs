@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use super::meaning::{Meaning, Origin, Real, Text};
-use super::measure::{quantity, si_name};
+use super::measure::{as_written, quantity, si_name};
 use super::scope::Scope;
 use super::script::Declaration;
 use crate::diagnostic::Diagnostic;
@@ -144,10 +144,8 @@ fn number(value: &Real) -> Option<String> {
         (_, _, Measure::Known(dimension)) => (si, si_name(dimension)),
         (_, _, Measure::Undeclared) => (si, String::new()),
     };
-    let is_name = unit.chars().all(|letter| letter.is_alphanumeric() || "*/^-%°²³".contains(letter));
     Some(match unit.as_str() {
         "" => number.to_string(),
-        unit if is_name && unit != "in" => format!("{number} {unit}"),
-        unit => format!("{number} '{unit}'"),
+        unit => format!("{number} {}", as_written(unit)),
     })
 }

@@ -40,8 +40,8 @@ pub(super) struct Shared<'a> {
     pub(super) conditions: RefCell<Conditions>,
     /// What drives each input, as far as connections have been resolved.
     pub(super) driven_by: RefCell<BTreeMap<Port, Span>>,
-    /// The units of measure that loaded units define, each with the first instance whose unit does.
-    pub(super) loaded: BTreeMap<String, (BaseUnit, usize)>,
+    /// The units of measure that loaded units define, each meaning with the first instance whose unit does.
+    pub(super) loaded: BTreeMap<String, Vec<(BaseUnit, usize)>>,
 }
 
 /// The meanings of names, by the frame that declares them; `None` if there is none.

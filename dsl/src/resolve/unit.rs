@@ -95,9 +95,29 @@ impl Unit {
         })
     }
 
-    /// What the unit of measure of a variable is defined as.
-    pub fn base_of(&self, variable: usize) -> Option<BaseUnit> {
+    /// Whether the values of a variable are differences.
+    pub fn is_relative(&self, variable: usize) -> bool {
+        let Kind::Real(own) = &self.description.variables[variable].kind else { return false };
+        let inherited = || match self.declared_type(variable) {
+            Some(TypeKind::Real(real)) => real.relative_quantity,
+            _ => None,
+        };
+        own.relative_quantity.or_else(inherited).unwrap_or(false)
+    }
+
+    fn defined_base(&self, variable: usize) -> Option<BaseUnit> {
         self.unit(self.unit_of(variable)?)?.base
+    }
+
+    /// What the unit of measure of a variable is defined as; a difference has no offset.
+    pub fn base_of(&self, variable: usize) -> Option<BaseUnit> {
+        let base = self.defined_base(variable)?;
+        Some(if self.is_relative(variable) { BaseUnit { offset: 0.0, ..base } } else { base })
+    }
+
+    /// Whether the unit of measure of a variable is defined with an offset, which does not apply to differences.
+    pub fn has_offset(&self, variable: usize) -> bool {
+        self.defined_base(variable).is_some_and(|base| base.offset != 0.0)
     }
 
     /// As [`ModelDescription::items_of`].

@@ -9,30 +9,32 @@ use super::scope::Scope;
 use super::script::Script;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
+use crate::source::Span;
 use crate::syntax::{Expression, ExpressionKind, Word};
 
 impl Scope<'_, '_> {
     /// The unit of measure that a script wrote in `of`, which is the number with its unit.
     pub fn unit_of_measure(&self, unit: &Word, of: &Expression) -> Option<BaseUnit> {
-        if let Some(name) = self.name_in_unit(unit) {
-            let message = format!("`{name}` in `{}` is a name of this script, not a unit", self.text(of.span));
-            return self.refuse(self.spaced(unit, name, of, Diagnostic::error("E11", unit.span, message)));
+        if let Some((name, declared)) = self.name_in_unit(unit) {
+            let (text, line) = (self.text(of.span), self.line(of.span));
+            let message = format!("`{name}` is a unit of measure too, so that `{text}` (line {line}) cannot be read");
+            return self.refuse(Diagnostic::error("E11", declared, message).help("rename it"));
         }
-        let loaded = self.loaded_unit(&unit.text);
-        let built_in = parse(&unit.text);
-        match (built_in, loaded) {
-            (Ok(built_in), None) => Some(built_in),
-            (Err(_), Some((loaded, _))) => Some(loaded),
-            (Ok(built_in), Some((loaded, _))) if same(built_in, loaded) => Some(built_in),
-            (Ok(built_in), Some((loaded, owner))) => {
+        let loaded = self.meanings_of_unit(&unit.text);
+        let other = |built_in| loaded.iter().find(|(loaded, _)| !same(built_in, *loaded));
+        match (parse(&unit.text), loaded.first()) {
+            (Ok(built_in), _) => {
+                let Some((loaded, owner)) = other(built_in) else { return Some(built_in) };
                 let message = format!("`{}` has two meanings here", unit.text);
                 let error = Diagnostic::error("E33", unit.span, message).saying(format!(
-                    "{} in the built-in table, {} in {owner}",
+                    "{} in the built-in table, {} in {}",
                     shown(built_in),
-                    shown(loaded)
+                    shown(*loaded),
+                    self.script.instances[*owner].name.text
                 ));
                 self.refuse(error.help("write the quantity in another unit"))
             }
+            (Err(_), Some((loaded, _))) => Some(*loaded),
             (Err(mut unknown), None) => {
                 let suggestion = unknown.suggestion.take();
                 let error = Diagnostic::error("E11", unit.span, unknown.to_string());
@@ -56,7 +58,7 @@ impl Scope<'_, '_> {
         };
         let base = unit
             .as_ref()
-            .and_then(|unit| parse(&unit.text).ok().or_else(|| self.loaded_unit(&unit.text).map(|(loaded, _)| loaded)));
+            .and_then(|unit| parse(&unit.text).ok().or_else(|| Some(self.meanings_of_unit(&unit.text).first()?.0)));
         base.is_some_and(|base| base.offset != 0.0)
     }
 
@@ -67,10 +69,9 @@ impl Scope<'_, '_> {
         self.report(error.help("write it in K: a difference of 1 degC is 1 K"));
     }
 
-    /// What a loaded unit defines under this name, with the owner's name.
-    fn loaded_unit(&self, name: &str) -> Option<(BaseUnit, &str)> {
-        let (base, instance) = self.loaded.get(name)?;
-        Some((*base, self.script.instances[*instance].name.text.as_str()))
+    /// What loaded units define under this name, each meaning once, with the first instance whose unit does.
+    pub fn meanings_of_unit(&self, name: &str) -> &[(BaseUnit, usize)] {
+        self.loaded.get(name).map_or(&[], Vec::as_slice)
     }
 
     fn near_loaded(&self, written: &str) -> Option<String> {
@@ -79,35 +80,22 @@ impl Scope<'_, '_> {
         nearest(written, names).map(|near| format!("'{near}'"))
     }
 
-    /// The first part after `*` or `/` that is a name of the script.
-    fn name_in_unit<'u>(&self, unit: &'u Word) -> Option<&'u str> {
+    /// The first part after `*` or `/` that is a name of the script, with the place of its declaration.
+    fn name_in_unit<'u>(&self, unit: &'u Word) -> Option<(&'u str, Span)> {
         let is_quoted = self.request.sources.slice(unit.span).starts_with('\'');
         if is_quoted {
             return None;
         }
         let parts = unit.text.split(['*', '/']).skip(1);
         let mut names = parts.map(|part| &part[..part.find(|c: char| !c.is_alphabetic()).unwrap_or(part.len())]);
-        names.find(|name| self.look_up(name).is_some())
-    }
-
-    fn spaced(&self, unit: &Word, name: &str, of: &Expression, error: Diagnostic) -> Diagnostic {
-        let text = self.text(of.span);
-        let cut = ["*", "/"].into_iter().find_map(|operator| {
-            let joined = format!("{operator}{name}");
-            let at = unit.text.find(&joined)? + text.len().checked_sub(unit.text.len())?;
-            let (head, tail) = (text.get(..at)?, text.get(at + operator.len()..)?);
-            Some(format!("{head} {operator} {tail}"))
-        });
-        match cut {
-            Some(product) => error.help(format!("a unit has no spaces, a product has: `{product}`")),
-            None => error.help("a unit has no spaces, a product has"),
-        }
+        names.find_map(|name| Some((name, self.look_up(name)?.part.span())))
     }
 }
 
-/// What the units of a script define, each name with the first instance whose unit gives it base units.
-pub(super) fn loaded(script: &Script<'_>) -> BTreeMap<String, (BaseUnit, usize)> {
-    let mut loaded = BTreeMap::new();
+/// What the units of a script define: each name with its meanings, and for each the first instance whose unit gives it
+/// these base units.
+pub(super) fn loaded(script: &Script<'_>) -> BTreeMap<String, Vec<(BaseUnit, usize)>> {
+    let mut loaded: BTreeMap<String, Vec<(BaseUnit, usize)>> = BTreeMap::new();
     let mut seen = BTreeSet::new();
     for (index, instance) in script.instances.iter().enumerate() {
         let Some(unit) = &instance.description else { continue };
@@ -116,18 +104,24 @@ pub(super) fn loaded(script: &Script<'_>) -> BTreeMap<String, (BaseUnit, usize)>
         }
         for definition in &unit.units {
             if let Some(base) = unit.unit(&definition.name).and_then(|first| first.base) {
-                loaded.entry(definition.name.clone()).or_insert((base, index));
+                let meanings = loaded.entry(definition.name.clone()).or_default();
+                if !meanings.iter().any(|(known, _)| same(*known, base)) {
+                    meanings.push((base, index));
+                }
             }
         }
     }
     loaded
 }
 
+/// Whether two definitions mean one unit of measure: descriptions give factors with as few as six digits.
 fn same(left: BaseUnit, right: BaseUnit) -> bool {
-    let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs().max(b.abs());
+    let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
     left.dimension == right.dimension && close(left.factor, right.factor) && close(left.offset, right.offset)
 }
 
-fn shown(unit: BaseUnit) -> String {
-    format!("{} {}", unit.factor, unit.dimension)
+/// A unit of measure by its base units.
+pub(super) fn shown(unit: BaseUnit) -> String {
+    let offset = if unit.offset == 0.0 { String::new() } else { format!(" + {}", unit.offset) };
+    format!("{} {}{offset}", unit.factor, unit.dimension)
 }

@@ -73,6 +73,38 @@ const WIND: &str = "
     output continuous Real velocity.y m/s initial=exact start=0
     output continuous Real velocity.z m/s initial=exact start=0";
 
+/// Temperatures and differences of them, and pressures over the ambient one.
+const HEATER: &str = "
+    input continuous Real riseK K relative=true start=0
+    input continuous Real riseF degF relative=true start=0
+    input continuous Real tempK K start=0
+    input continuous Real tempC degC start=0
+    input continuous Real over barg relative=true start=0
+    input continuous Real plain m start=0
+    parameter tunable Real dT degC relative=true start=0
+    output continuous Real rise degC relative=true deps=
+    output continuous Real temp degC deps=
+    output continuous Real other degC deps=
+    output continuous Real error K deps=
+    output continuous Real pressure barg deps=
+    output continuous Real gap m relative=true deps=";
+
+/// Units of measure that are declared and not defined.
+const UNDEFINED: &str = "
+    input continuous Real v km/h start=0
+    input continuous Real w fathom start=0
+    input continuous Real known m/s start=0
+    output continuous Real o cm/s deps=
+    output continuous Real p km/h deps=
+    output continuous Real q m/s deps=
+    output continuous Real bare - deps=";
+
+/// A unit whose `gal` is that of its country.
+const TANK: &str = "
+    parameter fixed Real v gal start=1
+    input continuous Real u gal start=0
+    output continuous Real w gal initial=exact start=1";
+
 const UNITS: &str = r#"<UnitDefinitions>
     <Unit name="m"><BaseUnit m="1"/></Unit> <Unit name="1"><BaseUnit/></Unit>
     <Unit name="m/s"><BaseUnit m="1" s="-1"/></Unit> <Unit name="kg"><BaseUnit kg="1"/></Unit>
@@ -80,7 +112,9 @@ const UNITS: &str = r#"<UnitDefinitions>
     <Unit name="deg"><BaseUnit rad="1" factor="0.017453292519943295"/></Unit>
     <Unit name="N"><BaseUnit kg="1" m="1" s="-2"/></Unit> <Unit name="N*m"><BaseUnit kg="1" m="2" s="-2"/></Unit>
     <Unit name="ft"><BaseUnit m="1" factor="0.3048"/></Unit>
-    <Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>
+    <Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit> <Unit name="K"><BaseUnit K="1"/></Unit>
+    <Unit name="degF"><BaseUnit K="1" factor="0.5555555555555556" offset="255.3722222222222"/></Unit>
+    <Unit name="barg"><BaseUnit kg="1" m="-1" s="-2" factor="100000" offset="101325"/></Unit>
     <Unit name="slug"><BaseUnit kg="1" factor="14.593903"/></Unit>
     <Unit name="lm"><BaseUnit m="1" factor="9.461e15"/></Unit>
   </UnitDefinitions>
@@ -89,8 +123,14 @@ const UNITS: &str = r#"<UnitDefinitions>
   </Enumeration></SimpleType></TypeDefinitions>"#;
 
 /// A description out of one line for each variable: causality, variability, type, name, unit or type name, and
-/// `start=`, `initial=`, `deps=` (names; an output without is free of inputs).
+/// `start=`, `min=`, `max=`, `relative=`, `initial=`, `deps=` (names; an output without is free of inputs).
 pub(in crate::resolve) fn description(name: &str, lines: &str) -> ModelDescription {
+    description_with(name, "", lines)
+}
+
+/// The same with further definitions of units of measure.
+fn description_with(name: &str, units: &str, lines: &str) -> ModelDescription {
+    let all_units = UNITS.replacen("<UnitDefinitions>", &format!("<UnitDefinitions>{units}"), 1);
     let lines: Vec<Vec<&str>> = lines
         .lines()
         .map(|line| line.split_whitespace().collect())
@@ -101,7 +141,10 @@ pub(in crate::resolve) fn description(name: &str, lines: &str) -> ModelDescripti
         let [causality, variability, kind, variable, unit, rest @ ..] = words.as_slice() else { panic!("{words:?}") };
         let value = |key: &str| rest.iter().find_map(|word| word.strip_prefix(key));
         let initial = value("initial=").map(|initial| format!(" initial='{initial}'")).unwrap_or_default();
-        let start = value("start=").map(|start| format!(" start='{start}'")).unwrap_or_default();
+        let attribute =
+            |key: &str, name: &str| value(key).map(|value| format!(" {name}='{value}'")).unwrap_or_default();
+        let start = attribute("start=", "start") + &attribute("min=", "min") + &attribute("max=", "max");
+        let start = start + &attribute("relative=", "relativeQuantity");
         let declared = match (*kind, *unit) {
             (_, "-") => String::new(),
             ("Enumeration", name) => format!(" declaredType='{name}'"),
@@ -117,7 +160,7 @@ pub(in crate::resolve) fn description(name: &str, lines: &str) -> ModelDescripti
     }
     let xml = format!(
         "<?xml version='1.0' encoding='UTF-8'?><fmiModelDescription fmiVersion='2.0' modelName='{name}' guid='{name}'>
-         <CoSimulation modelIdentifier='{name}'/>{UNITS}<ModelVariables>{variables}</ModelVariables>
+         <CoSimulation modelIdentifier='{name}'/>{all_units}<ModelVariables>{variables}</ModelVariables>
          <ModelStructure><Outputs>{outputs}</Outputs><InitialUnknowns>{unknowns}</InitialUnknowns></ModelStructure>
          </fmiModelDescription>"
     );
@@ -138,6 +181,13 @@ impl Loader for Memory {
             "quadcopter" => QUADCOPTER,
             "quadcopter_controller" => CONTROLLER,
             "wind" => WIND,
+            "heater" => HEATER,
+            "undefined" => UNDEFINED,
+            "us" | "uk" => {
+                let factor = if name == "us" { "0.003785411784" } else { "0.00454609" };
+                let gallon = format!("<Unit name='gal'><BaseUnit m='3' factor='{factor}'/></Unit>");
+                return Ok(Arc::new(description_with(name, &gallon, TANK)));
+            }
             _ => return Err(missing("unit", name)),
         };
         Ok(Arc::new(description(name, lines)))
@@ -196,6 +246,12 @@ pub(super) fn shown(script: &str) -> String {
     shown_with(script, &[])
 }
 
+/// The first line of each of a script's errors and warnings, and its help.
+pub(super) fn headings(script: &str) -> String {
+    let is_heading = |line: &&str| line.starts_with(['e', 'w']) || line.trim_start().starts_with("= help");
+    shown(script).lines().filter(is_heading).map(str::trim_start).collect::<Vec<_>>().join("\n")
+}
+
 /// The same, with settings of the command line.
 pub(super) fn shown_with(script: &str, settings: &[&str]) -> String {
     let outcome = run_with(script, settings);
@@ -224,4 +280,11 @@ pub(super) fn scenario_with(script: &str, settings: &[&str]) -> Scenario {
         render(&outcome.sources, &outcome.resolved.diagnostics, false)
     );
     outcome.resolved.scenario.expect("a script without errors has a meaning")
+}
+
+/// The warnings about a script without errors, and its scenario.
+pub(super) fn scenario_with_warnings(script: &str) -> (String, Scenario) {
+    let Outcome { sources, resolved } = run_with(script, &[]);
+    let warnings = render(&sources, &resolved.diagnostics, false);
+    (warnings, resolved.scenario.expect("a script without errors has a meaning"))
 }

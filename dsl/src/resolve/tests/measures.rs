@@ -108,7 +108,7 @@ fn a_quantity_for_a_variable_without_unit_is_a_warning() {
     7 | fmu two = "quadcopter_controller" { heading0 = -45 deg, unset = 0 m, stream = 1 }
       |                                                ^^^^^^^
       |
-      = help: to pass -45 write `-45 deg in deg`; to accept write `-45 deg in rad`
+      = help: to pass -45 write `-45 deg in deg`; to accept it write `-45 deg in rad`
     "#);
 }
 
@@ -135,15 +135,15 @@ fn an_unknown_unit_names_the_nearest() {
 
 #[test]
 fn a_script_name_inside_a_unit_needs_spaces() {
-    insta::assert_snapshot!(shown(&flight("let g = 9.81 m/s^2\nlet w = 0.5 kg*g")), @r#"
-    error[E11]: `g` in `0.5 kg*g` is a name of this script, not a unit
-     --> test.scn:8:13
+    insta::assert_snapshot!(shown(&flight("let g = 9.81 m/s^2\nlet w = 0.5 kg*g")), @r"
+    error[E11]: `g` is a unit of measure too, so that `0.5 kg*g` (line 8) cannot be read
+     --> test.scn:7:5
       |
-    8 | let w = 0.5 kg*g
-      |             ^^^^
+    7 | let g = 9.81 m/s^2
+      |     ^
       |
-      = help: a unit has no spaces, a product has: `0.5 kg * g`
-    "#);
+      = help: rename it
+    ");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod claims;
 mod connections;
+mod differences;
 mod fixtures;
 mod initial;
 mod loader;
@@ -11,6 +12,8 @@ mod names;
 mod shared;
 mod times;
 mod types;
+mod undeclared;
+mod unit_names;
 mod whole;
 
 pub(in crate::resolve) use fixtures::description;

@@ -64,8 +64,8 @@ pub struct RealAttributes {
     pub unit: Option<String>,
     /// `displayUnit`
     pub display_unit: Option<String>,
-    /// `relativeQuantity`
-    pub relative_quantity: bool,
+    /// `relativeQuantity`: whether values are differences, to which the offset of a unit does not apply.
+    pub relative_quantity: Option<bool>,
     /// `min`
     pub min: Option<f64>,
     /// `max`

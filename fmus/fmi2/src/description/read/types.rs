@@ -112,7 +112,7 @@ pub(super) fn real_attributes(element: &Element, rule: &'static str) -> RealAttr
         quantity: element.text("quantity"),
         unit: element.text("unit"),
         display_unit: element.text("displayUnit"),
-        relative_quantity: element.boolean(rule, "relativeQuantity").unwrap_or(false),
+        relative_quantity: element.boolean(rule, "relativeQuantity"),
         min: element.number(rule, "min"),
         max: element.number(rule, "max"),
         nominal: element.number(rule, "nominal"),

@@ -92,7 +92,7 @@ fn number() -> impl Strategy<Value = f64> {
 
 fn real_attributes() -> impl Strategy<Value = RealAttributes> {
     let texts = (of(text()), of(text()), of(text()));
-    (texts, any::<(bool, bool)>(), of(number()), of(number()), of(number())).prop_map(
+    (texts, any::<(Option<bool>, bool)>(), of(number()), of(number()), of(number())).prop_map(
         |((quantity, unit, display_unit), (relative_quantity, unbounded), min, max, nominal)| RealAttributes {
             quantity,
             unit,
