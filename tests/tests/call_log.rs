@@ -15,8 +15,15 @@ const CALLS: &str = "\
 0 s  fmi2SetString(label = \"from A to B\") -> fmi2OK
 0 s  fmi2SetupExperiment(toleranceDefined = fmi2False, tolerance = 0, startTime = 0, stopTimeDefined = fmi2False, stopTime = 0) -> fmi2OK
 0 s  fmi2EnterInitializationMode() -> fmi2OK
+0 s  fmi2GetReal(u, gain) -> fmi2OK, u = 0, gain = 2
+0 s  fmi2GetBoolean(enabled) -> fmi2OK, enabled = fmi2False
+0 s  fmi2SetReal(u = 0) -> fmi2OK
+0 s  fmi2SetBoolean(enabled = fmi2False) -> fmi2OK
+0 s  fmi2SetString(label = \"from A to B\") -> fmi2OK
 0 s  fmi2SetReal(u = 0) -> fmi2OK
 0 s  fmi2ExitInitializationMode() -> fmi2OK
+0 s  fmi2GetBoolean(enabled) -> fmi2OK, enabled = fmi2False
+0 s  fmi2GetString(label) -> fmi2OK, label = \"from A to B\"
 0 s  fmi2GetReal(y) -> fmi2OK, y = 0
 0 s  fmi2GetInteger(count) -> fmi2OK, count = 0
 0 s  fmi2SetReal(u = 0) -> fmi2OK

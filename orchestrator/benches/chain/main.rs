@@ -13,6 +13,7 @@ mod peer;
 
 use flatten::wiring::Plan;
 use orchestrator::run::run_options::RunOptions;
+use orchestrator::run::start_values::StartValues;
 use orchestrator::run::step_loop::{Checkpoint, Observer, StepLoop};
 use orchestrator::run::worker::{InProcess, Instantiated, Worker};
 use peer::table::{Row, Table, alternate};
@@ -52,7 +53,9 @@ fn by_loop(unit: &Unit, units: usize, ticks: u64) -> Result<Duration, Box<dyn Er
     let scenario = unit.linked(units, ticks, (1..units).map(|target| (target - 1, target)));
     let plan = Plan::new(&scenario, &vec![&unit.description; units], &vec![0; units]);
     let instances = unit.instances(units)?.into_iter().enumerate();
-    let instances = instances.map(|(index, instance)| Instantiated { index, instance }).collect();
+    let instances = instances
+        .map(|(index, instance)| Instantiated { index, instance, start_values: StartValues::default() })
+        .collect();
     let worker: Box<dyn Worker> =
         Box::new(InProcess::new(plan.step_ns, &plan.groups, &plan.ports, instances, unit.board.note(0)));
     let mut run = StepLoop::new(plan, vec![worker], RunOptions::default(), BoardOnly { board: &unit.board });

@@ -7,19 +7,21 @@
 mod events;
 mod feed;
 mod groups;
+mod initial;
 mod row_layout;
 mod slot_table;
 
 pub use events::{Change, Effect, Override, OverrideState, Overrides};
 pub use feed::{Computed, CopyRange, Feed};
 pub use groups::Group;
+pub use initial::InitialCall;
 pub use row_layout::RowLayout;
 pub use slot_table::{InstancePorts, Ports, VariableRange, VariableSlot};
 
 use crate::claims::Claims;
 use crate::expression::Program;
 use crate::values::{Slot, Values, start_value};
-use dsl::scenario::{InitialStep, Port, Scenario};
+use dsl::scenario::{Port, Scenario};
 use fmi2::description::ModelDescription;
 use slot_table::SlotTable;
 use std::collections::BTreeSet;
@@ -59,7 +61,7 @@ pub struct Plan {
     pub claims: Claims,
     /// Where the values of a row come from.
     pub row: RowLayout,
-    /// The inputs before the first step: presets and declared start values.
+    /// The inputs before initialization: presets and declared start values.
     pub inputs: Values,
     /// The outputs before the first read: zero, false or empty.
     pub outputs: Values,
@@ -84,33 +86,6 @@ pub struct Names {
     pub instance: String,
     /// The names of its Real outputs, in the order of [`InstancePorts::outputs`].
     pub reals: Vec<String>,
-}
-
-/// One call of initialization.
-#[derive(Debug)]
-pub enum InitialCall {
-    /// Computes these inputs of one instance and sets them.
-    Set {
-        /// The worker that holds the instance.
-        worker: usize,
-        /// The instance.
-        instance: usize,
-        /// The connections that drive them.
-        feed: Feed,
-        /// The shared expressions that they use.
-        shared: Vec<usize>,
-        /// The inputs.
-        slots: Vec<VariableSlot>,
-    },
-    /// Reads these variables of one instance.
-    Get {
-        /// The worker that holds the instance.
-        worker: usize,
-        /// The instance.
-        instance: usize,
-        /// The variables.
-        slots: Vec<VariableSlot>,
-    },
 }
 
 impl Plan {
@@ -138,7 +113,7 @@ impl Plan {
             }
             by_group.iter().map(|connections| Feed::new(connections, &table)).collect()
         });
-        let overrides = Overrides::new(scenario, &groups, &table, &inputs);
+        let overrides = Overrides::new(scenario, &groups, &table);
         let wave = |range: Range<usize>| Wave {
             is_fed: range.clone().any(|group| !direct[group].is_empty() || !overrides.of_group[group].is_empty()),
             is_read: groups[range.clone()].iter().any(|group| !group.read_every.is_empty()),
@@ -148,9 +123,7 @@ impl Plan {
         let shared = scenario.shared.iter();
         let shared: Vec<_> = shared.map(|value| Program::compile_real(value, &mut |port| table.read(port))).collect();
         let shared_of_wave = waves.iter().map(|wave| used(&shared, &direct[wave.groups.clone()])).collect();
-        let initialization = scenario.initialization.iter();
-        let initialization =
-            initialization.map(|step| initial_call(step, scenario, &table, &shared, worker_of)).collect();
+        let initialization = initial::calls(scenario, descriptions, &table, &shared, worker_of);
         let ports = table.take_ports();
         let rises = scenario.conditions.iter();
         let rises =
@@ -200,29 +173,6 @@ fn used(shared: &[Program], feeds: &[Feed]) -> Vec<usize> {
         }
     }
     used.into_iter().collect()
-}
-
-fn initial_call(
-    step: &InitialStep,
-    scenario: &Scenario,
-    table: &SlotTable,
-    shared: &[Program],
-    worker_of: &[usize],
-) -> InitialCall {
-    match step {
-        InitialStep::Set { instance, connections } => {
-            let connections: Vec<_> = connections.iter().map(|&index| &scenario.connections[index]).collect();
-            let slots = connections.iter().map(|connection| table.input_slot(connection.target)).collect();
-            let feed = Feed::new(&connections, table);
-            let shared = used(shared, std::slice::from_ref(&feed));
-            InitialCall::Set { worker: worker_of[*instance], instance: *instance, feed, shared, slots }
-        }
-        InitialStep::Get { instance, variables } => {
-            let port = |&variable| Port { instance: *instance, variable };
-            let slots = variables.iter().map(|variable| table.output_slot(port(variable))).collect();
-            InitialCall::Get { worker: worker_of[*instance], instance: *instance, slots }
-        }
-    }
 }
 
 fn names(scenario: &Scenario, descriptions: &[&ModelDescription], ports: &[InstancePorts]) -> Vec<Names> {

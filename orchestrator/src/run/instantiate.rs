@@ -2,11 +2,12 @@
 
 use crate::run::message::{CallPiece, Message, MessageSink};
 use crate::run::run_spec::UnitSpec;
+use crate::run::start_values::StartValues;
 use crate::run::worker::Instantiated;
-use dsl::scenario::{Preset, Value};
+use dsl::scenario::Preset;
 use std::path::Path;
 use std::sync::Arc;
-use unit::board::{Note, Now};
+use unit::board::Note;
 use unit::call_log::CallLog;
 use unit::call_log::LONGEST_PIECE;
 use unit::failure::{Cause, Doing, Failure};
@@ -66,11 +67,10 @@ impl Instantiator<'_> {
             let calls = log_calls.then(|| self.call_log(index));
             let setting = Setting { name, index, note: self.note.clone(), sink, logging_on: log_calls, calls };
             let instance = Instance::instantiate(&library, setting)?;
-            let Instantiated { instance, .. } = made.push_mut(Instantiated { index, instance });
-            for preset in presets {
-                self.set(instance, &start(), preset, &self.units[unit])?;
-            }
-            instance.setup_experiment(&start())?;
+            let start_values = StartValues::new(presets, &self.units[unit].description, self.folder);
+            let made = made.push_mut(Instantiated { index, instance, start_values });
+            made.start_values.set_presets(&mut made.instance, &start())?;
+            made.instance.setup_experiment(&start())?;
         }
         Ok(())
     }
@@ -95,27 +95,15 @@ impl Instantiator<'_> {
             cause: Cause::Other(error.to_string()),
         })
     }
-
-    fn set(&self, instance: &mut Instance, start: &Now<'_>, preset: &Preset, unit: &UnitSpec) -> Result<(), Failure> {
-        let handles = instance.handles([preset.variable]);
-        let handle = &handles.unwrap_or_else(|| unreachable!("a preset of `{}` is of one of its variables", unit.name));
-        match &preset.value {
-            Value::Real(value) => instance.set_real(start, handle, &[*value]),
-            Value::Integer(value) => instance.set_integer(start, handle, &[*value]),
-            Value::Boolean(value) => instance.set_boolean(start, handle, &[i32::from(*value)]),
-            Value::String(text) => instance.set_string(start, handle, std::slice::from_ref(text)),
-            Value::File(file) => {
-                let path = self.folder.join(&file.path).to_string_lossy().into_owned();
-                instance.set_string(start, handle, &[path])
-            }
-        }
-    }
 }
 
-/// Begins initialization of all instances, in their order.
+/// Begins initialization of all instances, in their order, and sets their start values.
 ///
 /// # Errors
 /// The first instance that refused.
 pub fn enter_initialization(made: &mut [Instantiated], note: &Note) -> Result<(), Failure> {
-    made.iter_mut().try_for_each(|made| made.instance.enter_initialization_mode(&note.at(0, 0.0)))
+    made.iter_mut().try_for_each(|Instantiated { instance, start_values, .. }| {
+        instance.enter_initialization_mode(&note.at(0, 0.0))?;
+        start_values.initialize(instance, &note.at(0, 0.0))
+    })
 }

@@ -7,6 +7,7 @@ mod pace;
 pub mod prepared_run;
 pub mod run_options;
 pub mod run_spec;
+pub mod start_values;
 pub mod step_loop;
 pub mod stepping;
 pub mod worker;

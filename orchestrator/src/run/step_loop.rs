@@ -156,7 +156,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     /// `=>` and `set` drive the inputs of the groups that step in this wave.
     fn feed(&mut self, wave: usize, groups: Range<usize>, tick: u64, time_s: f64) {
         let Self { plan, state, stack, .. } = self;
-        let State { visible, visible_shared, latest, latest_shared, inputs, carried, .. } = state;
+        let State { visible, visible_shared, latest, latest_shared, initial_inputs, inputs, carried, .. } = state;
         let (CarriedState { rises, overrides, .. }, slots) = (carried, plan.shared_of_wave[wave].iter().copied());
         evaluate_shared(&plan.shared, slots, (latest, time_s), stack, latest_shared);
         let latest = Moment { outputs: latest, time_s, rises, shared: latest_shared };
@@ -164,7 +164,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
         for group in groups.filter(|&group| plan.groups[group].is_due(tick)) {
             plan.direct[group].bring(&latest, stack, inputs);
             for &target in &plan.overrides.of_group[group] {
-                plan.overrides.all[target].bring(overrides[target], &visible, stack, inputs);
+                plan.overrides.all[target].bring(overrides[target], &visible, stack, initial_inputs, inputs);
             }
         }
     }

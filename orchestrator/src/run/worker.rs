@@ -5,6 +5,7 @@
 //! An order always carries every input of its group, a reply every output.
 
 mod in_process;
+pub(super) mod scattered;
 
 pub use in_process::{InProcess, Instantiated};
 

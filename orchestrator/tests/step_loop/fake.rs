@@ -302,8 +302,8 @@ impl Worker for FakeWorker {
     }
 
     fn get_initial(&mut self, instance: usize, slots: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost> {
-        for variable in slots {
-            outputs.reals[variable.slot.index] = self.initial[instance] + 1.0;
+        for VariableSlot { slot, variable } in slots {
+            outputs.reals[slot.index] = if *variable == P { 7.0 } else { self.initial[instance] + 1.0 };
         }
         Ok(())
     }

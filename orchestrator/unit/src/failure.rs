@@ -1,6 +1,6 @@
 //! Why a run broke: the instance, the call, the time and the cause.
 
-use fmi2::c::Status;
+use fmi2::c::{RawStatus, Status};
 use fmi2::calls::Call;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -82,6 +82,12 @@ impl Failure {
     #[must_use]
     pub fn between_calls(time_s: f64, text: String) -> Self {
         Self { instance: None, doing: Doing::BetweenCalls, time_s: Some(time_s), cause: Cause::Other(text) }
+    }
+
+    /// Whether a unit refused a call by a status after which others may go on.
+    #[must_use]
+    pub fn is_refusal(&self) -> bool {
+        [Status::Discard, Status::Error].iter().any(|&status| self.cause == Cause::Status(status as RawStatus))
     }
 
     /// What the user can do about it, if anything.

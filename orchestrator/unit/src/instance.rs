@@ -327,11 +327,15 @@ impl Instance {
     /// any.
     fn warn(&mut self, now: &Now<'_>, call: Call) {
         if !std::mem::replace(&mut self.rest.status_log.warned, true) {
-            let text = format!("{} returned fmi2Warning (told once; the run goes on)", call.name());
-            let (status, category) = (Status::Warning as RawStatus, "logStatusWarning".to_owned());
-            let (instance, tick, counts_at) = (Some(self.index), now.tick, now.counts_at);
-            (self.rest.status_log.sink)(LogMessage { instance, tick, counts_at, status, category, text });
+            self.log_warning(now, format!("{} returned fmi2Warning (told once; the run goes on)", call.name()));
         }
+    }
+
+    /// Logs a warning about this instance beside its own messages.
+    pub fn log_warning(&self, now: &Now<'_>, text: String) {
+        let (status, category) = (Status::Warning as RawStatus, "logStatusWarning".to_owned());
+        let (instance, tick, counts_at) = (Some(self.index), now.tick, now.counts_at);
+        (self.rest.status_log.sink)(LogMessage { instance, tick, counts_at, status, category, text });
     }
 
     fn failure(&self, now: &Now<'_>, call: Call, cause: Cause) -> Failure {

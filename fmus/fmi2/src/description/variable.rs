@@ -119,6 +119,13 @@ impl Variable {
         settable(State::Instantiated, self.causality, self.variability, initial) == Permission::Always
     }
 
+    /// Whether an importer may set the variable in initialization mode.
+    #[must_use]
+    pub fn is_settable_in_initialization(&self) -> bool {
+        let initial = self.initial_or_default();
+        settable(State::InitializationMode, self.causality, self.variability, initial) == Permission::Always
+    }
+
     /// Whether there is a start value.
     #[must_use]
     pub fn has_start(&self) -> bool {

@@ -4,8 +4,8 @@ use super::feed::Computed;
 use super::groups::Group;
 use super::slot_table::SlotTable;
 use crate::expression::{Moment, Stack};
-use crate::values::{Slot, ValueType, Values};
-use dsl::scenario::{Port, Scenario, Trigger, Value};
+use crate::values::{Slot, Values};
+use dsl::scenario::{Port, Scenario, Trigger};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,8 +13,8 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Debug)]
 pub struct Override {
     to: Slot,
-    /// The value that it returns to; `None` where a connection drives it.
-    rest: Option<Value>,
+    /// Whether it returns to its value after initialization; otherwise a connection drives it.
+    returns: bool,
     sets: Vec<Computed>,
 }
 
@@ -73,12 +73,20 @@ impl OverrideState {
 }
 
 impl Override {
-    /// Stores the value that applies at this moment; leaves the input alone where a connection drives it.
-    pub fn bring(&self, state: OverrideState, moment: &Moment<'_>, stack: &mut Stack, inputs: &mut Values) {
-        match (state.window.or(state.lasting), &self.rest) {
-            (Some(set), _) => self.sets[set].bring(moment, stack, inputs),
-            (None, Some(rest)) => inputs.store(self.to, rest),
-            (None, None) => {}
+    /// Stores the value that applies at this moment; leaves the input alone where a connection drives it. `initial` are the
+    /// inputs after initialization.
+    pub fn bring(
+        &self,
+        state: OverrideState,
+        moment: &Moment<'_>,
+        stack: &mut Stack,
+        initial: &Values,
+        inputs: &mut Values,
+    ) {
+        match state.window.or(state.lasting) {
+            Some(set) => self.sets[set].bring(moment, stack, inputs),
+            None if self.returns => inputs.copy_slot(self.to, initial, self.to),
+            None => {}
         }
     }
 
@@ -91,7 +99,7 @@ impl Override {
 
 impl Overrides {
     /// Lists the overrides and their changes, ordered by tick; within a tick, windows close before others open.
-    pub(super) fn new(scenario: &Scenario, groups: &[Group], table: &SlotTable, inputs: &Values) -> Self {
+    pub(super) fn new(scenario: &Scenario, groups: &[Group], table: &SlotTable) -> Self {
         let connected: BTreeSet<Port> = scenario.connections.iter().map(|connection| connection.target).collect();
         let mut overrides = Self { of_group: vec![Vec::new(); groups.len()], ..Self::default() };
         let mut known = BTreeMap::new();
@@ -100,9 +108,9 @@ impl Overrides {
             for set in event.sets() {
                 let to = table.input_slot(set.target).slot;
                 let target = *known.entry(set.target).or_insert_with(|| {
-                    let rest = (!connected.contains(&set.target)).then(|| value_at(inputs, to));
+                    let returns = !connected.contains(&set.target);
                     overrides.of_group[table.group_of(set.target.instance)].push(overrides.all.len());
-                    overrides.all.push(Override { to, rest, sets: Vec::new() });
+                    overrides.all.push(Override { to, returns, sets: Vec::new() });
                     overrides.all.len() - 1
                 });
                 let sets = &mut overrides.all[target].sets;
@@ -127,14 +135,5 @@ impl Overrides {
     #[must_use]
     pub fn states(&self) -> Vec<OverrideState> {
         vec![OverrideState::default(); self.all.len()]
-    }
-}
-
-fn value_at(values: &Values, slot: Slot) -> Value {
-    match slot.base {
-        ValueType::Real => Value::Real(values.reals[slot.index]),
-        ValueType::Integer => Value::Integer(values.integers[slot.index]),
-        ValueType::Boolean => Value::Boolean(values.booleans[slot.index] != 0),
-        ValueType::Text => Value::String(values.texts[slot.index].clone()),
     }
 }

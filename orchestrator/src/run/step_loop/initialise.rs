@@ -23,9 +23,13 @@ impl<W: Observer> StepLoop<'_, W> {
                     workers[*worker].set_initial(*instance, slots, inputs)
                 }
                 InitialCall::Get { worker, instance, slots } => workers[*worker].get_initial(*instance, slots, visible),
+                InitialCall::GetInputs { worker, instance, slots } => {
+                    workers[*worker].get_initial(*instance, slots, inputs)
+                }
             }
             .map_err(|lost| lost.failure)?;
         }
+        state.initial_inputs.clone_from(inputs);
         for worker in workers {
             worker.start(visible).map_err(|lost| lost.failure)?;
         }

@@ -16,6 +16,8 @@ pub(super) struct State {
     pub latest: Values,
     /// The inputs that were last passed to a step.
     pub inputs: Values,
+    /// The inputs after initialization, to which a `set` returns.
+    pub initial_inputs: Values,
     /// By group, the order whose result is not yet due, if any.
     pub under_way: Vec<Option<UnderWay>>,
     /// Results that a checkpoint awaited before they are due.
@@ -52,6 +54,7 @@ impl State {
             visible: plan.outputs.clone(),
             latest: plan.outputs.clone(),
             inputs: plan.inputs.clone(),
+            initial_inputs: plan.inputs.clone(),
             under_way: plan.groups.iter().map(|_| None).collect(),
             early: plan.outputs.clone(),
             carried: CarriedState {

@@ -1,8 +1,11 @@
 //! The worker that holds its instances in this process: an order is a few calls through function pointers.
 
+use super::scattered::{get_slots, handles, set_slots};
 use super::{Lost, Order, Reply, Shutdown, Terminated, Ticket, Worker};
-use flatten::values::{ValueType, Values};
+use crate::run::start_values::StartValues;
+use flatten::values::Values;
 use flatten::wiring::{Group, InstancePorts, Ports, VariableRange, VariableSlot};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use unit::board::{Note, Now};
 use unit::failure::Failure;
@@ -17,6 +20,8 @@ pub struct Instantiated {
     pub index: usize,
     /// The instance.
     pub instance: Instance,
+    /// What it is given at the start.
+    pub start_values: StartValues,
 }
 
 /// Holds instances and steps them when ordered, one after the other.
@@ -28,6 +33,8 @@ pub struct InProcess {
     held: Vec<HeldInstance>,
     /// For each group of the run; the range of a group of another worker is empty.
     groups: Vec<GroupSteps>,
+    /// The start values by the index of their instance, until initialization ends.
+    start_values: BTreeMap<usize, StartValues>,
 }
 
 #[derive(Debug)]
@@ -83,8 +90,10 @@ impl InProcess {
         note: Note,
     ) -> Self {
         let mut waiting: Vec<Option<Instance>> = std::iter::repeat_with(|| None).take(ports.len()).collect();
+        let mut start_values = BTreeMap::new();
         for made in instances {
             waiting[made.index] = Some(made.instance);
+            start_values.insert(made.index, made.start_values);
         }
         let mut held = Vec::new();
         let mut group = |group: &Group| {
@@ -100,7 +109,7 @@ impl InProcess {
             GroupSteps { held: first..held.len(), every: group.every, step_s, lost: None, terminated: Vec::new() }
         };
         let groups = groups.iter().map(&mut group).collect();
-        Self { note, step_ns, held, groups }
+        Self { note, step_ns, held, groups, start_values }
     }
 }
 
@@ -118,22 +127,30 @@ fn find(held: &mut [HeldInstance], index: usize) -> &mut HeldInstance {
 
 impl Worker for InProcess {
     fn set_initial(&mut self, instance: usize, slots: &[VariableSlot], inputs: &Values) -> Result<(), Lost> {
-        let Self { note, held, .. } = self;
+        let Self { note, held, start_values, .. } = self;
+        if let Some(start_values) = start_values.get_mut(&instance) {
+            start_values.are_replaced(slots);
+        }
         let held = find(held, instance);
-        held.set_slots(&note.at(0, 0.0), slots, inputs).map_err(|failure| held.lose(failure))
+        set_slots(&mut held.instance, &note.at(0, 0.0), slots, inputs).map_err(|failure| held.lose(failure))
     }
 
     fn get_initial(&mut self, instance: usize, slots: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost> {
         let Self { note, held, .. } = self;
         let held = find(held, instance);
-        held.get_slots(&note.at(0, 0.0), slots, outputs).map_err(|failure| held.lose(failure))
+        get_slots(&mut held.instance, &note.at(0, 0.0), slots, outputs).map_err(|failure| held.lose(failure))
     }
 
     fn start(&mut self, outputs: &mut Values) -> Result<(), Lost> {
         let now = self.note.at(0, 0.0);
         for held in in_order(&mut self.held) {
-            let started = held.instance.exit_initialization_mode(&now).and_then(|()| held.get(&now, outputs));
-            started.map_err(|failure| held.lose(failure))?;
+            let start_values = self.start_values.remove(&held.index);
+            let started = held.instance.exit_initialization_mode(&now);
+            let started = started.and_then(|()| match start_values {
+                Some(start_values) => start_values.compare_held(&mut held.instance, &now),
+                None => Ok(()),
+            });
+            started.and_then(|()| held.get(&now, outputs)).map_err(|failure| held.lose(failure))?;
         }
         Ok(())
     }
@@ -225,12 +242,6 @@ impl InProcess {
     }
 }
 
-/// The handles of variables that the plan took from the unit's description.
-fn handles(instance: &Instance, variables: &[usize]) -> Handles {
-    let handles = instance.handles(variables.iter().copied());
-    handles.unwrap_or_else(|| unreachable!("`{}` has no such variables: {variables:?}", instance.name()))
-}
-
 impl Call {
     #[inline]
     fn range(&self) -> Range<usize> {
@@ -278,74 +289,4 @@ impl HeldInstance {
         self.instance.get_boolean(now, &booleans.handles, &mut outputs.booleans[booleans.range()])?;
         self.instance.get_string(now, &texts.handles, &mut outputs.texts[texts.range()])
     }
-
-    fn set_slots(&mut self, now: &Now<'_>, slots: &[VariableSlot], inputs: &Values) -> Result<(), Failure> {
-        let [reals, integers, booleans, texts] = by_type(slots);
-        let [real, integer, boolean, text] =
-            [&reals, &integers, &booleans, &texts].map(|of_type| handles(&self.instance, &of_type.variables));
-        self.instance.set_real(now, &real, &reals.out_of(&inputs.reals))?;
-        self.instance.set_integer(now, &integer, &integers.out_of(&inputs.integers))?;
-        self.instance.set_boolean(now, &boolean, &booleans.out_of(&inputs.booleans))?;
-        self.instance.set_string(now, &text, &texts.out_of(&inputs.texts))
-    }
-
-    fn get_slots(&mut self, now: &Now<'_>, slots: &[VariableSlot], outputs: &mut Values) -> Result<(), Failure> {
-        let [reals, integers, booleans, texts] = by_type(slots);
-        let [real, integer, boolean, text] =
-            [&reals, &integers, &booleans, &texts].map(|of_type| handles(&self.instance, &of_type.variables));
-        reals.fetch(&mut outputs.reals, |to| self.instance.get_real(now, &real, to))?;
-        integers.fetch(&mut outputs.integers, |to| self.instance.get_integer(now, &integer, to))?;
-        booleans.fetch(&mut outputs.booleans, |to| self.instance.get_boolean(now, &boolean, to))?;
-        texts.fetch(&mut outputs.texts, |to| self.instance.get_string(now, &text, to))
-    }
-}
-
-/// Variables of one type whose values are not contiguous.
-struct Scattered {
-    variables: Vec<usize>,
-    at: Vec<usize>,
-}
-
-fn by_type(slots: &[VariableSlot]) -> [Scattered; 4] {
-    [ValueType::Real, ValueType::Integer, ValueType::Boolean, ValueType::Text].map(|base| {
-        let of_type = slots.iter().filter(|variable| variable.slot.base == base);
-        let (variables, at) = of_type.map(|variable| (variable.variable, variable.slot.index)).unzip();
-        Scattered { variables, at }
-    })
-}
-
-impl Scattered {
-    fn out_of<T: Clone>(&self, values: &[T]) -> Vec<T> {
-        self.at.iter().map(|&at| values[at].clone()).collect()
-    }
-
-    fn fetch<T: Clone>(
-        &self,
-        values: &mut [T],
-        get: impl FnOnce(&mut [T]) -> Result<(), Failure>,
-    ) -> Result<(), Failure> {
-        let mut got = self.out_of(values);
-        get(&mut got)?;
-        for (&at, value) in self.at.iter().zip(got) {
-            values[at] = value;
-        }
-        Ok(())
-    }
-}
-
-#[test]
-fn variables_are_read_by_type_and_their_values_stored_in_their_slots() {
-    use flatten::values::Slot;
-    let slot = |base, index, variable| VariableSlot { slot: Slot { base, index }, variable };
-    let (real, integer) = (ValueType::Real, ValueType::Integer);
-    let [reals, integers, booleans, texts] = by_type(&[slot(real, 3, 30), slot(integer, 0, 31), slot(real, 1, 10)]);
-    assert_eq!((reals.variables.as_slice(), integers.variables.as_slice()), ([30, 10].as_slice(), [31].as_slice()));
-    assert!(booleans.variables.is_empty() && texts.variables.is_empty());
-    let mut values = [0.0, 1.0, 2.0, 3.0];
-    assert_eq!(reals.out_of(&values), [3.0, 1.0]);
-    let answered = reals.fetch(&mut values, |to| {
-        to.copy_from_slice(&[30.0, 10.0]);
-        Ok(())
-    });
-    assert_eq!((answered, values), (Ok(()), [0.0, 10.0, 2.0, 30.0]));
 }
