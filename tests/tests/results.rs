@@ -228,11 +228,13 @@ fn diff_reports_the_first_tick_and_port_that_differ_and_by_how_much() {
     assert_eq!(differ.code, Some(1));
     assert_eq!(
         differ.out,
-        "first difference at 0.2 s (row 2) in probe.y: 0.020000000000000004 and 0.04000000000000001, 2.000e-2 apart\n  \
-         probe.y: 2 rows, at most 5.800e-2 apart\n"
+        "first difference at 0.2 s (row 2) in probe.y: 0.020000000000000004 m and 0.04000000000000001 m, \
+         2.000e-2 m apart\n  probe.y: 2 rows, at most 5.800e-2 m apart\n"
     );
     fs::write(folder.path().join("ragged.csv"), "time,probe.y\n0\n").unwrap();
-    for (other, message) in [("none", "none is neither a run's folder"), ("ragged.csv", "ragged.csv:2: not as many")] {
+    for (other, message) in
+        [("none", "none is neither a run's folder"), ("ragged.csv", "ragged.csv:2:1: expected 2 values")]
+    {
         let unreadable = run(folder.path(), &["diff", "slow", other]);
         assert_eq!((unreadable.code, unreadable.out.as_str()), (Some(2), ""));
         assert!(unreadable.err.starts_with(&format!("error: {message}")), "{}", unreadable.err);

@@ -86,6 +86,17 @@ fn step_loop() -> u8 {
     }
 }
 
+/// A number at the start of a text and what follows it, without blanks: `10s`, `7.5 ms`, `1e-6`.
+fn number_and_unit(text: &str) -> Option<(f64, &str)> {
+    let text = text.trim();
+    let ends = text.char_indices().map(|(at, _)| at).chain([text.len()]).rev();
+    ends.map(|at| text.split_at(at)).find_map(|(number, unit)| {
+        let number = number.trim_end();
+        let value = number.parse().ok().filter(|_| number.ends_with(|c: char| c.is_ascii_digit() || c == '.'))?;
+        Some((value, unit.trim()))
+    })
+}
+
 /// Prints what a library says of itself.
 fn describe_library(path: &Path) -> u8 {
     match library_description(path) {

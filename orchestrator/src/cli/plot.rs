@@ -4,14 +4,14 @@ use dsl::nearest::nearest;
 use results::plot::{PlotError, Selection, draw};
 use results::report;
 use results::run_folder::PLOT_SVG;
-use results::table::{Table, notes};
+use results::table::Table;
 use std::ffi::OsStr;
 use std::path::PathBuf;
 
 /// Draws paths and signals of a run as SVG.
 #[derive(Debug, clap::Args)]
 pub struct Plot {
-    /// The folder of a run, or a trace.csv
+    /// The folder of a run, or a table over time: CSV or Parquet
     run: PathBuf,
     /// Columns or groups, for example quad.state.position or quad.roll,quad.pitch (one panel); without any: all paths and
     /// the first groups
@@ -36,17 +36,18 @@ impl Plot {
         let table = match Table::read(&self.run) {
             Ok(table) => table,
             Err(error) => {
-                report::error(&error, Some("name the folder that `lockstep run` said, for example runs/first_flight"));
+                let help = "name the folder that `lockstep run` said, for example runs/first_flight";
+                report::error(&error, Some(error.help.as_deref().unwrap_or(help)));
                 return 2;
             }
         };
         let title = self.run.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let selection = Selection { signals: self.signals, mark: self.mark };
-        let picture = match draw(&title, &table, &notes(&self.run), &selection) {
+        let picture = match draw(&title, &table, &selection) {
             Ok(picture) => picture,
             Err(error) => {
-                let message = message(&error, &table.names);
-                report::error(&message, Some(&format!("recorded are: {}", table.names.join(", "))));
+                let names: Vec<_> = table.names().collect();
+                report::error(&message(&error, &names), Some(&format!("recorded are: {}", names.join(", "))));
                 return 2;
             }
         };
@@ -65,9 +66,9 @@ impl Plot {
 }
 
 /// An error with the name that was probably meant.
-fn message(error: &PlotError, names: &[String]) -> String {
+fn message(error: &PlotError, names: &[&str]) -> String {
     let near = match error {
-        PlotError::Unknown(name) => nearest(name, names.iter().map(String::as_str)),
+        PlotError::Unknown(name) => nearest(name, names.iter().copied()),
         PlotError::Empty => None,
     };
     near.map_or_else(|| error.to_string(), |near| format!("{error}; did you mean `{near}`?"))

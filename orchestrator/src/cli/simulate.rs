@@ -1,6 +1,7 @@
 //! `lockstep simulate`: one unit alone, as FMPy and fmusim users know it.
 
 mod alone;
+mod column_name;
 mod experiment;
 mod input_file;
 mod start_values;
@@ -38,9 +39,10 @@ pub struct Simulate {
     /// Sets a parameter or start value, for example 'mass = 1.6 kg'; a bare number is in the variable's own unit
     #[arg(long, value_name = "NAME = VALUE")]
     set: Vec<String>,
-    /// Inputs over time: the first column is the time in seconds, the others are named as inputs or tunable parameters.
-    /// Reals are interpolated, everything else is held; so are the ends
-    #[arg(long, value_name = "FILE.csv")]
+    /// Inputs over time, CSV or Parquet: the first column is `time` in seconds, or `time [ms]`; the others are named as
+    /// inputs or tunable parameters, with a unit of measure if you like, `speed [km/h]`. Reals are interpolated, everything
+    /// else is held; so are the ends
+    #[arg(long, value_name = "FILE")]
     input: Option<PathBuf>,
     /// Where the results go; a folder of an earlier run is replaced [default: runs/UNIT-alone]
     #[arg(long, value_name = "DIR")]
@@ -100,13 +102,10 @@ impl Simulate {
 
     fn read_input(&self, path: &Path, alone: &Alone) -> Result<(input_file::Curves, HashedFile), Refusal> {
         let name = path.display().to_string();
-        let cannot_read = |reason: &dyn std::fmt::Display| Refusal::new(&format!("cannot read {name}: {reason}"), None);
-        let bytes = std::fs::read(path).map_err(|error| cannot_read(&error))?;
-        let file = HashedFile { name: name.clone(), sha256: sha256(&bytes) };
-        let text = String::from_utf8(bytes).map_err(|error| cannot_read(&format!("it is not UTF-8: {error}")))?;
-        let curves = input_file::read(&text, &alone.description);
-        let curves = curves.map_err(|wrong| Refusal::new(&format!("{name}:{wrong}"), wrong.help.as_deref()))?;
-        Ok((curves, file))
+        let bytes = std::fs::read(path).map_err(|error| Refusal::new(&format!("cannot read {name}: {error}"), None))?;
+        let file = HashedFile { name, sha256: sha256(&bytes) };
+        let curves = input_file::read(path, bytes, &alone.description);
+        Ok((curves.map_err(|error| Refusal::new(&error, error.help.as_deref()))?, file))
     }
 
     fn print(&self, outcome: &RunOutcome) -> Result<(), TraceError> {

@@ -5,7 +5,7 @@ mod scale;
 mod series;
 mod svg;
 
-use crate::table::{ColumnNote, Table};
+use crate::table::Table;
 use paths::{Mark, Path};
 use series::{Curve, Panel};
 use std::fmt;
@@ -49,9 +49,10 @@ impl std::error::Error for PlotError {}
 ///
 /// # Errors
 /// A name of the selection was not recorded, or the trace is empty.
-pub fn draw(title: &str, table: &Table, notes: &[ColumnNote], selection: &Selection) -> Result<String, PlotError> {
-    let trace = Trace { table, notes };
-    if table.rows.is_empty() || table.names.len() < 2 {
+pub fn draw(title: &str, table: &Table, selection: &Selection) -> Result<String, PlotError> {
+    let trace = Trace { table };
+    let time_s = table.time_s();
+    if time_s.is_empty() || table.columns.len() < 2 {
         return Err(PlotError::Empty);
     }
     let (paths, panels) =
@@ -63,7 +64,6 @@ pub fn draw(title: &str, table: &Table, notes: &[ColumnNote], selection: &Select
         paths::draw(&mut picture, &paths, &marks, top, WIDTH);
         top += paths::HEIGHT;
     }
-    let time_s = table.names.iter().position(|name| name == "time").map_or_else(Vec::new, |time| table.numbers(time));
     for panel in &panels {
         series::draw(&mut picture, panel, &time_s, top, WIDTH);
         top += series::HEIGHT;
@@ -73,24 +73,23 @@ pub fn draw(title: &str, table: &Table, notes: &[ColumnNote], selection: &Select
 
 struct Trace<'a> {
     table: &'a Table,
-    notes: &'a [ColumnNote],
 }
 
 impl Trace<'_> {
     fn unit(&self, name: &str) -> &str {
-        let note = self.notes.iter().find(|note| note.name == name);
-        note.and_then(|note| note.unit.as_deref()).filter(|unit| *unit != "1").unwrap_or_default()
+        let column = self.table.column(name);
+        column.and_then(|column| column.unit.as_deref()).filter(|unit| *unit != "1").unwrap_or_default()
     }
 
     fn column(&self, name: &str) -> Option<Vec<f64>> {
-        Some(self.table.numbers(self.table.names.iter().position(|other| other == name)?))
+        Some(self.table.column(name)?.numbers())
     }
 
     /// The columns that a name selects: the column itself, or all columns of a group or array.
     fn members(&self, name: &str) -> Vec<&str> {
         let below =
             |other: &str| other.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
-        self.table.names.iter().map(String::as_str).filter(|other| below(other)).collect()
+        self.table.names().filter(|other| below(other)).collect()
     }
 
     /// A group of x, y, z in metres.
@@ -130,13 +129,12 @@ impl Trace<'_> {
 
     /// All position groups; then the first groups of columns that are no positions, angles of attitude first.
     fn default_choice(&self) -> (Vec<Path>, Vec<Panel>) {
-        let groups =
-            self.table.names.iter().filter_map(|name| name.strip_suffix(".x")).filter(|g| g.ends_with("position"));
+        let groups = self.table.names().filter_map(|name| name.strip_suffix(".x")).filter(|g| g.ends_with("position"));
         let mut paths: Vec<_> = groups.filter_map(|group| self.path(group)).collect();
         // Actual positions come before setpoints.
         paths.sort_by_key(|path| path.name.contains("setpoint"));
         let mut panels: Vec<Vec<&str>> = Vec::new();
-        for name in self.table.names.iter().map(String::as_str).skip(1) {
+        for name in self.table.names().skip(1) {
             let in_path =
                 paths.iter().any(|path| name.strip_prefix(&path.name).is_some_and(|rest| rest.starts_with('.')));
             let same =

@@ -1,5 +1,6 @@
 //! A scenario of one unit alone, written as a script, so that errors in it are reported as in scripts.
 
+use super::column_name::column_name;
 use super::experiment::Experiment;
 use super::input_file::Curves;
 use super::start_values;
@@ -106,7 +107,7 @@ impl Alone {
         let ports = of(Causality::Output).chain(of(Causality::Input));
         ports
             .map(|(index, variable)| Column {
-                name: variable.name.clone(),
+                name: column_name(&variable.name, &self.description),
                 port: Port { instance: 0, variable: index },
             })
             .collect()
@@ -129,7 +130,8 @@ pub(super) mod tests {
     const TANK: &str = r#"<?xml version="1.0"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Tank" guid="g">
   <CoSimulation modelIdentifier="tank" canHandleVariableCommunicationStepSize="true"/>
-  <UnitDefinitions><Unit name="m2"><BaseUnit m="2"/></Unit></UnitDefinitions>
+  <UnitDefinitions><Unit name="m2"><BaseUnit m="2"/></Unit>
+    <Unit name="m"><BaseUnit m="1"/></Unit><Unit name="K"><BaseUnit K="1"/></Unit></UnitDefinitions>
   <TypeDefinitions>
     <SimpleType name="Mode"><Enumeration><Item name="Fill" value="1"/><Item name="Drain" value="2"/></Enumeration></SimpleType>
   </TypeDefinitions>
@@ -141,6 +143,9 @@ pub(super) mod tests {
     <ScalarVariable name="level" valueReference="2" causality="output"><Real/></ScalarVariable>
     <ScalarVariable name="label" valueReference="0" causality="output" variability="discrete"><String/></ScalarVariable>
     <ScalarVariable name="gain" valueReference="3" causality="parameter" variability="tunable"><Real start="1"/></ScalarVariable>
+    <ScalarVariable name="depth" valueReference="4" causality="input"><Real unit="m" start="0"/></ScalarVariable>
+    <ScalarVariable name="rise" valueReference="5" causality="input"><Real unit="K" relativeQuantity="true" start="0"/></ScalarVariable>
+    <ScalarVariable name="water" valueReference="6" causality="input"><Real unit="K" start="0"/></ScalarVariable>
   </ModelVariables>
   <ModelStructure><Outputs><Unknown index="5"/><Unknown index="6"/></Outputs></ModelStructure>
 </fmiModelDescription>"#;
@@ -176,7 +181,7 @@ pub(super) mod tests {
         assert_eq!(scenario.connections[0].source, Drive::Curve(curve));
         assert_eq!(scenario.initialization, [InitialStep::Set { instance: 0, connections: vec![0] }]);
         let columns: Vec<_> = scenario.columns.iter().map(|column| column.name.as_str()).collect();
-        assert_eq!(columns, ["level", "inflow", "mode", "open"]);
+        assert_eq!(columns, ["level", "inflow", "mode", "open", "depth", "rise", "water"]);
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! How long a unit is simulated, and in which steps.
 
+use crate::cli::number_and_unit;
 use crate::find::preparation::Refusal;
 use fmi2::description::ModelDescription;
 use results::shortest_decimal;
+use results::table::seconds;
 
 /// What nanoseconds can count, in seconds.
 const MAX_S: f64 = 9e9;
@@ -90,27 +92,11 @@ fn about_a_thousandth(duration_s: f64) -> f64 {
 
 /// A time of the command line in seconds: `10s`, `7.5 ms`, `10`.
 pub(super) fn time(text: &str) -> Result<f64, String> {
-    let text = text.trim();
-    let digits = text.char_indices().map(|(at, _)| at).chain([text.len()]).rev();
-    let split = digits.map(|at| text.split_at(at)).find_map(|(number, unit)| {
-        let number = number.trim_end();
-        let value =
-            number.parse::<f64>().ok().filter(|_| number.ends_with(|c: char| c.is_ascii_digit() || c == '.'))?;
-        Some((value, unit.trim()))
-    });
     let expected = || "expected a time such as 10s, 7.5ms or 10".to_owned();
-    let (value, unit) = split.ok_or_else(expected)?;
-    // Divided, not multiplied: 1 ms is the number nearest to 0.001.
-    let seconds = match unit {
-        "" | "s" => value,
-        "ms" => value / 1e3,
-        "us" => value / 1e6,
-        "ns" => value / 1e9,
-        "min" => value * 60.0,
-        "h" => value * 3600.0,
-        _ => return Err(format!("`{unit}` is no unit of time; {}", expected())),
-    };
-    if seconds > 0.0 { Ok(seconds) } else { Err("expected a time above zero".to_owned()) }
+    let (value, unit) = number_and_unit(text).ok_or_else(expected)?;
+    let unit = if unit.is_empty() { "s" } else { unit };
+    let time_s = seconds(value, unit).ok_or_else(|| format!("`{unit}` is no unit of time; {}", expected()))?;
+    if time_s > 0.0 { Ok(time_s) } else { Err("expected a time above zero".to_owned()) }
 }
 
 #[cfg(test)]

@@ -1,127 +1,129 @@
-//! Inputs over time, read from a file of comma-separated values.
+//! Inputs over time, read from a table.
 
+use super::column_name::variable_of;
 use dsl::scenario::Curve;
-use fmi2::description::{Causality, Kind, ModelDescription, Variability, Variable};
-use std::fmt;
+use fmi2::description::{Causality, Kind, ModelDescription, TypeKind, Variability, Variable};
+use fmi2::units::{BaseUnit, Conversion, parse};
+use results::table::{CellType, Heading, TableError, TableFile};
+use std::path::Path;
 
 /// For each driven variable its curve, in the order of the unit's variables.
 pub(super) type Curves = Vec<(usize, Curve)>;
 
-/// What is wrong with the file, and where.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Wrong {
-    line: usize,
-    column: usize,
-    message: String,
-    pub help: Option<String>,
+/// A column behind the time.
+struct Driven {
+    /// Index into the unit's variables.
+    variable: usize,
+    /// From the unit of measure of the column to that of the variable.
+    conversion: Conversion,
 }
 
-impl fmt::Display for Wrong {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}: {}", self.line, self.column, self.message)
-    }
-}
-
-/// A piece between commas: its column, from 1, and its text without quotes.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Cell {
-    line: usize,
-    column: usize,
-    text: String,
-}
-
-impl Cell {
-    fn wrong(&self, message: String) -> Wrong {
-        Wrong { line: self.line, column: self.column, message, help: None }
-    }
-}
-
-/// Reads the file's text: a header line with the time first and names of inputs or tunable parameters behind it, then a
-/// row for each point in time. Two rows of one time are a jump.
+/// Reads the table in these bytes of a file: the time first and inputs or tunable parameters behind it, then a row for each
+/// point in time. Two rows of one time are a jump.
 ///
 /// # Errors
 /// The first thing that is wrong, with its line and column.
-pub(super) fn read(text: &str, description: &ModelDescription) -> Result<Curves, Wrong> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-    let Some((index, header)) = lines.next() else {
-        return Err(Wrong { line: 1, column: 1, message: "the file is empty".to_owned(), help: None });
+pub(super) fn read(path: &Path, bytes: Vec<u8>, description: &ModelDescription) -> Result<Curves, TableError> {
+    let file = TableFile::of_bytes(path, bytes)?;
+    let driven = driven(&file, description)?;
+    let types: Vec<_> = driven.iter().map(|driven| cell_type(driven.variable, description)).collect();
+    let no_rows = file.wrong_heading(0, "the file has names, but no rows".to_owned());
+    let columns = file.read(&types, false)?;
+    let numbers: Vec<Vec<f64>> = columns.into_iter().map(|column| column.into_iter().flatten().collect()).collect();
+    let Some((time_s, values)) = numbers.split_first().filter(|(time_s, _)| !time_s.is_empty()) else {
+        return Err(no_rows);
     };
-    let header = cells(header, index + 1);
-    let variables = variables(&header[1..], description)?;
-    let mut rows: Vec<Vec<f64>> = Vec::new();
-    for (index, line) in lines {
-        let cells = cells(line, index + 1);
-        let row = row(&cells, &header, &variables, description)?;
-        if let Some(before) = rows.last().filter(|before| row[0] < before[0]) {
-            return Err(cells[0].wrong(format!("time {} comes after {}; it must not fall", row[0], before[0])));
-        }
-        rows.push(row);
-    }
-    if rows.is_empty() {
-        return Err(header[0].wrong("the file has names, but no rows".to_owned()));
-    }
-    let curve = |(column, &variable): (usize, &usize)| {
-        let rows = rows.iter().map(|row| (row[0], row[column + 1])).collect();
-        (variable, Curve { rows, held: is_held(&description.variables[variable]) })
+    let curve = |(driven, values): (&Driven, &Vec<f64>)| {
+        let rows =
+            time_s.iter().zip(values).map(|(&time_s, &value)| (time_s, driven.conversion.apply(value))).collect();
+        (driven.variable, Curve { rows, held: is_held(&description.variables[driven.variable]) })
     };
-    let mut curves: Curves = variables.iter().enumerate().map(curve).collect();
+    let mut curves: Curves = driven.iter().zip(values).map(curve).collect();
     curves.sort_by_key(|(variable, _)| *variable);
     Ok(curves)
 }
 
-/// The cells of a line; a quoted cell may hold commas, and a doubled quote stands for one.
-fn cells(line: &str, number: usize) -> Vec<Cell> {
-    let mut cells = vec![Cell { line: number, column: 1, text: String::new() }];
-    let mut quoted = false;
-    let mut letters = line.chars().enumerate().peekable();
-    while let Some((at, letter)) = letters.next() {
-        let last = cells.len() - 1;
-        match letter {
-            '"' if quoted && letters.next_if(|(_, next)| *next == '"').is_some() => cells[last].text.push('"'),
-            '"' => quoted = !quoted,
-            ',' if !quoted => cells.push(Cell { line: number, column: at + 2, text: String::new() }),
-            ' ' | '\t' if !quoted && cells[last].text.is_empty() => cells[last].column += 1,
-            letter => cells[last].text.push(letter),
-        }
-    }
-    for cell in &mut cells {
-        cell.text = cell.text.trim().to_owned();
-    }
-    cells
-}
-
-/// The variables that the header names.
-fn variables(header: &[Cell], description: &ModelDescription) -> Result<Vec<usize>, Wrong> {
-    let mut variables = Vec::new();
-    for cell in header {
-        let Some(variable) = description.variable(&cell.text) else { return Err(unknown(cell, description)) };
+/// What the columns behind the time drive.
+fn driven(file: &TableFile, description: &ModelDescription) -> Result<Vec<Driven>, TableError> {
+    let mut all: Vec<Driven> = Vec::new();
+    for (index, heading) in file.headings().iter().enumerate().skip(1) {
+        let wrong = |(message, help): (String, Option<String>)| file.wrong_heading(index, message).help(help);
+        let (variable, unit) = named(heading, description).map_err(wrong)?;
         let declared = &description.variables[variable];
+        let name = &declared.name;
         if !may_be_driven(declared) {
-            let message = format!("`{}` is neither an input nor tunable: {}", cell.text, declared.causality.name());
-            return Err(cell.wrong(message));
+            let message = format!("`{name}` is neither an input nor tunable: {}", declared.causality.name());
+            return Err(file.wrong_heading(index, message));
         }
         if matches!(declared.kind, Kind::String { .. }) {
-            return Err(
-                cell.wrong(format!("`{}` takes texts; only numbers and Booleans can follow a table", cell.text))
-            );
+            let message = format!("`{name}` takes texts; only numbers and Booleans can follow a table");
+            return Err(file.wrong_heading(index, message));
         }
-        if variables.contains(&variable) {
-            return Err(cell.wrong(format!("`{}` has a column already", cell.text)));
+        if all.iter().any(|driven| driven.variable == variable) {
+            return Err(file.wrong_heading(index, format!("`{name}` has a column already")));
         }
-        variables.push(variable);
+        let conversion = unit.map_or(Ok(Conversion::IDENTITY), |unit| conversion(unit, declared, description));
+        all.push(Driven { variable, conversion: conversion.map_err(wrong)? });
     }
-    Ok(variables)
+    Ok(all)
 }
 
-fn unknown(cell: &Cell, description: &ModelDescription) -> Wrong {
+/// A message and a remedy.
+type Refused = (String, Option<String>);
+
+/// The variable that a heading names, and the unit of measure behind its name.
+fn named<'a>(heading: &'a Heading, description: &ModelDescription) -> Result<(usize, Option<&'a str>), Refused> {
+    if let Some(variable) = variable_of(&heading.text, description) {
+        return Ok((variable, None));
+    }
+    let (name, unit) = heading.with_unit().map_or((heading.text.as_str(), None), |(name, unit)| (name, Some(unit)));
+    let variable = variable_of(name, description);
+    variable.map(|variable| (variable, unit)).ok_or_else(|| unknown(name, description))
+}
+
+fn unknown(name: &str, description: &ModelDescription) -> Refused {
     let names = || description.variables.iter().filter(|variable| may_be_driven(variable)).map(|v| v.name.as_str());
-    let help = match dsl::nearest::nearest(&cell.text, names()) {
-        Some(near) => Some(format!("did you mean `{near}`?")),
-        None if names().next().is_none() => Some("the unit has no inputs".to_owned()),
-        None => Some(format!("columns can be {}", names().collect::<Vec<_>>().join(", "))),
+    let help = match dsl::nearest::nearest(name, names()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None if names().next().is_none() => "the unit has no inputs".to_owned(),
+        None => format!("columns can be {}", names().collect::<Vec<_>>().join(", ")),
     };
-    Wrong { help, ..cell.wrong(format!("the unit has no variable `{}`", cell.text)) }
+    (format!("the unit has no variable `{name}`"), Some(help))
+}
+
+/// From a unit of measure, by the definition of the unit's description or else the built-in one, to the variable's.
+fn conversion(unit: &str, variable: &Variable, description: &ModelDescription) -> Result<Conversion, Refused> {
+    let name = &variable.name;
+    let Some(own) = description.unit_of(variable) else {
+        let help = format!("write `{name}` without a unit of measure");
+        return Err((format!("`{name}` declares no unit of measure that `{unit}` could be converted to"), Some(help)));
+    };
+    if own == unit {
+        return Ok(Conversion::IDENTITY);
+    }
+    let defined = |name: &str| description.unit(name).and_then(|definition| definition.base);
+    let from = defined(unit).map_or_else(|| parse(unit), Ok).map_err(|unknown| (unknown.to_string(), None))?;
+    let to = defined(own);
+    let help = Some(format!("write `{name} [{own}]`"));
+    let Some(to) = to else {
+        return Err((format!("`{unit}` cannot be converted to `{own}`, which the unit does not define"), help));
+    };
+    let without_offset = |unit: BaseUnit| BaseUnit { offset: 0.0, ..unit };
+    let (from, to) =
+        if is_relative(variable, description) { (without_offset(from), without_offset(to)) } else { (from, to) };
+    let mismatch = || (format!("`{unit}` cannot be converted to `{own}`, the unit of measure of `{name}`"), help);
+    from.conversion_to(&to).ok_or_else(mismatch)
+}
+
+/// Whether values are differences, to which the offset of a scale such as degC does not apply.
+fn is_relative(variable: &Variable, description: &ModelDescription) -> bool {
+    let Kind::Real(own) = &variable.kind else { return false };
+    let declared = || description.simple_type(variable.declared_type.as_deref()?);
+    let inherited = || match &declared()?.kind {
+        TypeKind::Real(real) => real.relative_quantity,
+        _ => None,
+    };
+    own.relative_quantity.or_else(inherited).unwrap_or(false)
 }
 
 fn may_be_driven(variable: &Variable) -> bool {
@@ -134,92 +136,82 @@ fn is_held(variable: &Variable) -> bool {
     !matches!(variable.kind, Kind::Real(_)) || variable.variability != Variability::Continuous
 }
 
-/// The numbers of a row, the time first.
-fn row(
-    cells: &[Cell],
-    header: &[Cell],
-    variables: &[usize],
-    description: &ModelDescription,
-) -> Result<Vec<f64>, Wrong> {
-    if cells.len() != header.len() {
-        let place = cells.get(header.len()).unwrap_or(&cells[cells.len() - 1]);
-        return Err(place.wrong(format!("expected {} values as in the header, found {}", header.len(), cells.len())));
-    }
-    let mut row = vec![number(&cells[0], "a time in seconds")?];
-    for (cell, &variable) in cells[1..].iter().zip(variables) {
-        row.push(value(cell, &description.variables[variable])?);
-    }
-    Ok(row)
-}
-
-fn value(cell: &Cell, variable: &Variable) -> Result<f64, Wrong> {
-    let name = &variable.name;
+fn cell_type(variable: usize, description: &ModelDescription) -> CellType {
+    let variable = &description.variables[variable];
     match variable.kind {
-        Kind::Boolean { .. } => match cell.text.as_str() {
-            "true" | "True" => Ok(1.0),
-            "false" | "False" => Ok(0.0),
-            text => {
-                let value = text.parse().ok().filter(|value| [0.0, 1.0].contains(value));
-                value.ok_or_else(|| cell.wrong(format!("`{text}` is no Boolean, 0 or 1, which `{name}` takes")))
-            }
-        },
-        Kind::Integer { .. } | Kind::Enumeration { .. } => {
-            let value = number(cell, "a whole number")?;
-            let is_whole = value == libm::rint(value) && (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&value);
-            let error = || cell.wrong(format!("`{}` is no whole number of 32 bits, which `{name}` takes", cell.text));
-            if is_whole { Ok(value) } else { Err(error()) }
+        Kind::Boolean { .. } => CellType::Boolean,
+        Kind::Integer { .. } => CellType::Integer,
+        Kind::Enumeration { .. } => {
+            let items = description.items_of(variable).iter();
+            CellType::Enumeration(items.map(|item| (item.value, item.name.clone())).collect())
         }
-        Kind::Real(_) | Kind::String { .. } => number(cell, "a number"),
+        Kind::Real(_) | Kind::String { .. } => CellType::Real,
     }
-}
-
-fn number(cell: &Cell, what: &str) -> Result<f64, Wrong> {
-    let parsed = cell.text.parse().ok().filter(|value: &f64| value.is_finite());
-    parsed.ok_or_else(|| cell.wrong(format!("`{}` is not {what}", cell.text)))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{Curves, Path, TableError};
     use crate::cli::simulate::alone::tests::tank;
 
+    fn read(text: &str) -> Result<Curves, TableError> {
+        super::read(Path::new("in.csv"), text.as_bytes().to_vec(), &tank())
+    }
+
     fn wrong(text: &str) -> String {
-        let wrong = read(text, &tank()).unwrap_err();
+        let wrong = read(text).unwrap_err();
         let help = wrong.help.as_ref().map_or(String::new(), |help| format!("\n  help: {help}"));
-        format!("in.csv:{wrong}{help}\n")
+        format!("{wrong}{help}\n")
+    }
+
+    /// A variable, whether its values are held, and times with values.
+    type Read = (usize, bool, Vec<(f64, f64)>);
+
+    fn rows(text: &str) -> Vec<Read> {
+        let curves = read(text).unwrap_or_else(|error| panic!("{error}"));
+        curves.into_iter().map(|(variable, curve)| (variable, curve.held, curve.rows)).collect()
     }
 
     #[test]
     fn reals_are_interpolated_and_everything_else_is_held() {
         let text = "\u{feff}time,\"open\",inflow,gain\r\n0,true,1.5,1\r\n\r\n2,0,2.5,3\r\n";
-        let curves = read(text, &tank()).unwrap();
-        let read: Vec<_> = curves.iter().map(|(variable, curve)| (*variable, curve.held, curve.rows.clone())).collect();
         let expected = [
             (1, false, vec![(0.0, 1.5), (2.0, 2.5)]),
             (3, true, vec![(0.0, 1.0), (2.0, 0.0)]),
             (6, true, vec![(0.0, 1.0), (2.0, 3.0)]),
         ];
-        assert_eq!(read, expected);
+        assert_eq!(rows(text), expected);
+    }
+
+    #[test]
+    fn a_table_of_a_spreadsheet_means_what_it_shows() {
+        let expected = [
+            (1, false, vec![(0.0, 1.5), (0.2, 2.5)]),
+            (2, true, vec![(0.0, 2.0), (0.2, 1.0)]),
+            (3, true, vec![(0.0, 1.0), (0.2, 0.0)]),
+        ];
+        let text =
+            "\u{feff}# made by hand\nTime [ms];mode;open;inflow\r\n0;Drain;TRUE;1.5\r\n200;1;False;2.5\r\n;;;\r\n";
+        assert_eq!(rows(text), expected);
+    }
+
+    #[test]
+    fn a_column_with_a_unit_of_measure_is_converted_to_that_of_its_variable() {
+        assert_eq!(rows("time,depth [cm]\n0,150\n"), [(7, false, vec![(0.0, 1.5)])]);
+        assert_eq!(rows("time,depth [m]\n0,1.5\n"), [(7, false, vec![(0.0, 1.5)])]);
+        assert_eq!(rows("time,rise [degC]\n0,10\n"), [(8, false, vec![(0.0, 10.0)])]);
+        assert_eq!(rows("time,water [degC]\n0,10\n"), [(9, false, vec![(0.0, 283.15)])]);
     }
 
     proptest::proptest! {
         #[test]
-        fn whatever_a_file_holds_is_curves_or_an_error_with_a_place(
+        fn whatever_a_file_holds_is_curves_or_an_error(
             text in "(time,inflow\n|t,open,mode\n)?([0-9.,\"\r\n te\\PC]{0,80}|([0-9],[0-9.]{1,4}\n){0,5})"
         ) {
-            let lines = text.lines().count().max(1);
-            match read(&text, &tank()) {
-                Ok(curves) => proptest::prop_assert!(curves.iter().all(|(_, curve)| !curve.rows.is_empty())),
-                Err(wrong) => proptest::prop_assert!((1..=lines).contains(&wrong.line) && wrong.column > 0),
+            if let Ok(curves) = read(&text) {
+                proptest::prop_assert!(curves.iter().all(|(_, curve)| !curve.rows.is_empty()));
             }
         }
-    }
-
-    #[test]
-    fn a_quoted_name_may_hold_commas_and_quotes() {
-        let read: Vec<_> =
-            cells("time, \"m[1,2]\" ,\"say \"\"x\"\"\"", 1).into_iter().map(|c| (c.column, c.text)).collect();
-        assert_eq!(read, [(1, "time".into()), (7, "m[1,2]".into()), (17, "say \"x\"".into())]);
     }
 
     #[test]
@@ -227,6 +219,11 @@ mod tests {
         let texts = [
             "",
             "time,inflow\n",
+            "inflow,open\n0,1\n",
+            "time [m],open\n0,1\n",
+            "time,inflow [m3/s]\n0,1\n",
+            "time,depth [kg]\n0,1\n",
+            "time,depth [fathom]\n0,1\n",
             "time,inflwo\n0,1\n",
             "time,unheard_of\n0,1\n",
             "time,level\n0,1\n",
@@ -239,6 +236,10 @@ mod tests {
             "time,inflow\n1,1\n0.5,1\n",
             "time,inflow,mode\n0,1,1.5\n",
             "time,open\n0,2\n",
+            "time;inflow\n0;0,5\n",
+            "time,inflow\n0,TRUE\n",
+            "time,inflow,mode\n0,1,Spill\n",
+            "time,inflow,open\n0,,1\n",
         ];
         insta::assert_snapshot!(texts.map(wrong).concat());
     }
