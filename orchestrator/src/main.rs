@@ -1,10 +1,9 @@
 //! The program `lockstep`: parses the arguments, runs the command and returns its exit code.
 #![forbid(unsafe_code)]
 
-use clap::Parser;
 use orchestrator::cli::Cli;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    ExitCode::from(Cli::parse().run())
+    ExitCode::from(Cli::main())
 }

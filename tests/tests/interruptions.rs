@@ -3,11 +3,12 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::thread::sleep;
 use std::time::Duration;
 use tempfile::TempDir;
 use tests::flight::{Flight, is_alive, signal, until};
-use tests::foreign::Foreign;
+use tests::foreign::{CLAIMS_STATES, Foreign};
 use tests::program::{Said, lockstep, run};
 
 /// A run that is too long to be waited for.
@@ -55,11 +56,15 @@ fn ended(program: &mut Flight) -> Said {
 }
 
 #[test]
-fn sigint_and_sigterm_end_a_run_cleanly_and_keep_whole_rows() {
+fn a_signal_ends_a_run_cleanly_and_keeps_whole_rows() {
     let folder = folder_with_unit(&[]);
-    for name in ["INT", "TERM"] {
+    for (name, placement) in
+        [("INT", ""), ("TERM", ""), ("HUP", ""), ("QUIT", ""), ("HUP", "--isolate"), ("QUIT", "--isolate")]
+    {
         let out = folder.path().join(name);
-        let mut program = Flight::start(folder.path(), &["run", "long.scn", "--out", name]);
+        let arguments = ["run", "long.scn", "--out", name, placement];
+        let given = arguments.iter().filter(|argument| !argument.is_empty()).copied().collect::<Vec<_>>();
+        let mut program = Flight::start(folder.path(), &given);
         await_rows(&out);
         assert_eq!(program.temporary_folders().len(), 1);
         signal(name, program.id());
@@ -74,6 +79,49 @@ fn sigint_and_sigterm_end_a_run_cleanly_and_keep_whole_rows() {
         assert_eq!(verdicts, [Some("ok"), Some("unjudged")], "{name}: only what nothing can change any more is judged");
         assert!(said.out.contains("long.scn  interrupted at ") && said.out.contains("unjudged  late"), "{}", said.out);
     }
+}
+
+/// The program waits for a pipe before the run begins: for the script, and for a checkpoint after the units were unpacked.
+#[test]
+fn a_signal_before_the_run_ends_the_program_without_a_word_and_leaves_nothing() {
+    let (folder, _) = Foreign { description: &[CLAIMS_STATES], ..Foreign::default() }.build();
+    fs::write(folder.path().join("long.scn"), LONG).unwrap();
+    assert!(Command::new("mkfifo").arg(folder.path().join("pipe")).status().unwrap().success());
+    for name in ["INT", "TERM", "HUP", "QUIT"] {
+        for (arguments, folders) in [(&["run", "pipe"][..], 0), (&["run", "long.scn", "--from", "pipe"], 1)] {
+            let mut program = Flight::start(folder.path(), arguments);
+            let unpacked = |home: &Path| home.join("unit0/binaries").is_dir();
+            until("what precedes the pipe", || {
+                handles_signals(program.id())
+                    && program.temporary_folders().iter().filter(|f| unpacked(f)).count() == folders
+            });
+            signal(name, program.id());
+            let said = ended(&mut program);
+            assert_eq!((said.code, said.err.as_str()), (Some(130), ""), "{name} {arguments:?}");
+            assert!(!folder.path().join("runs").exists());
+        }
+    }
+}
+
+/// Whether a process has a handler for SIGTERM, the 15th signal.
+fn handles_signals(process: u32) -> bool {
+    let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:\t")).unwrap();
+    u64::from_str_radix(caught, 16).unwrap() & (1 << 14) != 0
+}
+
+#[test]
+fn a_run_that_nohup_starts_goes_on_when_the_terminal_is_gone() {
+    let folder = folder_with_unit(&[]);
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "trap '' HUP; exec \"$0\" run long.scn"]).arg(lockstep()).current_dir(folder.path());
+    let mut program = Flight::of(shell);
+    await_rows(&folder.path().join("runs/long"));
+    signal("HUP", program.id());
+    let rows = whole_rows(&folder.path().join("runs/long"));
+    until("more rows", || whole_rows(&folder.path().join("runs/long")) > rows);
+    signal("TERM", program.id());
+    assert_eq!(ended(&mut program).code, Some(130));
 }
 
 #[test]
@@ -187,13 +235,13 @@ fn a_folder_with_other_files_is_refused_and_not_changed() {
     assert_eq!(fs::read_dir(folder.path().join("thesis")).unwrap().count(), 1);
 }
 
-/// A limit on the file size of 8 to 16 MB makes writes fail as a full disk does.
+/// Beyond a limit on the file size of 8 to 16 MB writes fail as on a full disk, and SIGXFSZ is no reason to end.
 #[test]
 fn a_trace_that_cannot_grow_breaks_the_run_and_the_written_rows_stay_readable() {
     let folder = folder_with_unit(&[]);
     let out = folder.path().join("runs/long");
-    let mut shell = std::process::Command::new("sh");
-    shell.args(["-c", "trap '' XFSZ; ulimit -f 16384; exec \"$0\" run long.scn"]).arg(lockstep());
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "ulimit -f 16384; exec \"$0\" run long.scn"]).arg(lockstep());
     shell.current_dir(folder.path());
     let said = ended(&mut Flight::of(shell));
     assert_eq!(said.code, Some(3), "{}", said.err);

@@ -3,6 +3,7 @@
 use crate::find::preparation::Refusal;
 use crate::host::execution::{ReadyRun, RunOutcome, carry_out};
 use crate::host::supervise::{StartWorkers, SuperviseError};
+use crate::run::interruption;
 use results::TraceError;
 use results::report;
 use results::report::console::Style;
@@ -19,7 +20,7 @@ pub(super) const BROKEN: u8 = 3;
 /// There are claims and none was judged.
 const UNJUDGED: u8 = 4;
 /// The user interrupted.
-const INTERRUPTED: u8 = 130;
+pub(super) const INTERRUPTED: u8 = interruption::INTERRUPTED;
 
 /// What starts the workers of a run.
 #[cfg(feature = "bus")]

@@ -12,10 +12,20 @@ pub mod simulate;
 #[cfg(feature = "bus")]
 pub mod worker;
 
+use crate::run::interruption;
 use clap::{Parser, Subcommand};
 use results::report;
+use std::env;
 use std::path::{Path, PathBuf};
 use unit::describe::library_description;
+use unit::process;
+
+/// The commands that the program starts itself to load units.
+const HOLDS_UNITS: [&str; 3] = [crate::host::supervise::SUBCOMMAND, WORKER, unit::describe::SUBCOMMAND];
+#[cfg(feature = "bus")]
+const WORKER: &str = crate::bus::SUBCOMMAND;
+#[cfg(not(feature = "bus"))]
+const WORKER: &str = "worker";
 
 /// Runs scenarios of FMI 2.0 co-simulation units in lockstep and judges what their scripts claim.
 #[derive(Debug, Parser)]
@@ -50,6 +60,19 @@ enum Command {
 }
 
 impl Cli {
+    /// Parses the arguments, runs the command and returns the exit code of the process. Signals are handled first of all.
+    #[must_use]
+    pub fn main() -> u8 {
+        process::survive_file_size_limit();
+        let holds_units = env::args_os().nth(1).is_some_and(|command| HOLDS_UNITS.iter().any(|name| command == *name));
+        // A signal that ends a process with units is a fault that its parent reports.
+        if !holds_units && let Err(error) = interruption::listen() {
+            report::error(&format!("cannot listen for Ctrl-C: {error}"), None);
+            return exit_code::USAGE;
+        }
+        Self::parse().run()
+    }
+
     /// Runs the command and returns the exit code of the process.
     #[must_use]
     pub fn run(self) -> u8 {
@@ -71,7 +94,8 @@ impl Cli {
             Command::Worker(worker) => worker.run(),
             Command::DescribeLibrary { path } => describe_library(&path),
         };
-        if report::results_were_lost() { lost } else { reached }
+        // A signal that the terminal is gone leaves no standard output either.
+        if report::results_were_lost() && reached != exit_code::INTERRUPTED { lost } else { reached }
     }
 }
 

@@ -4,9 +4,11 @@ mod checkpoints;
 
 use crate::find::catalogue::Catalogue;
 use crate::find::script::Script;
+use crate::run::home::Home;
+use crate::run::interruption::Completion;
 use crate::run::prepared_run::PreparedRun;
 use crate::run::run_options::RunOptions;
-use crate::run::run_spec::{HOME_PREFIX, RunSpec, SaveSpec, UnitSpec};
+use crate::run::run_spec::{RunSpec, SaveSpec, UnitSpec};
 use checkpoints::{Candidate, Checkpoints};
 use dsl::nearest::nearest;
 use dsl::scenario::{Scenario, Value};
@@ -19,9 +21,10 @@ use std::collections::BTreeSet;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tempfile::TempDir;
 use unit::archive::{Unpacked, unpack};
 
+/// What helps where the folder of temporary files cannot be used.
+const OTHER_TMPDIR: &str = "set TMPDIR to another folder";
 /// How many findings about one unit a run prints.
 const FINDINGS_SHOWN: usize = 3;
 
@@ -51,7 +54,7 @@ pub fn catalogue(folders: &[PathBuf], build: bool) -> Result<Catalogue, Refusal>
 #[derive(Debug)]
 pub struct UnpackedUnits {
     /// Removed when this and all runs that were prepared with it are dropped.
-    home: Arc<TempDir>,
+    home: Arc<Home>,
     units: Vec<UnitSpec>,
 }
 
@@ -67,9 +70,23 @@ pub fn unpack_units(script: &Script) -> Result<UnpackedUnits, Refusal> {
     if !rendered.is_empty() {
         status(rendered.trim_end());
     }
-    let home = TempDir::with_prefix(HOME_PREFIX)
-        .map_err(|error| Refusal::new(&format!("cannot make a folder for the units: {error}"), None))?;
+    let home = private_folder()?;
     Ok(UnpackedUnits { units: unpack_all(script, home.path())?, home: Arc::new(home) })
+}
+
+/// The private folder of a run.
+fn private_folder() -> Result<Home, Refusal> {
+    let home = Home::make()
+        .map_err(|error| Refusal::new(&format!("cannot make a folder for the units: {error}"), Some(OTHER_TMPDIR)))?;
+    if home.is_replaceable() {
+        let root = home.path().parent().unwrap_or(home.path());
+        status(&format!(
+            "warning: other users can replace the units of this run: all may rename folders in {}\n\
+             help: {OTHER_TMPDIR}, or run chmod +t on it",
+            root.display()
+        ));
+    }
+    Ok(home)
 }
 
 /// Prepares one case of a script, whose units are unpacked: checks what it reads and continues from, and claims the folder
@@ -90,6 +107,7 @@ pub fn prepare(mut script: Script, unpacked: &UnpackedUnits, options: RunOptions
     let Checkpoints { saving, from } = candidate.checkpoints(&options)?;
     let (from, continued) = from.unzip();
     record.from = continued;
+    let completion = Completion::begin();
     let folder = RunFolder::claim(&options.out, &record).map_err(|error| Refusal::new(&error, error.help()))?;
     let spec = RunSpec {
         worker_of: options.isolate.then(|| (0..scenario.instances.len()).collect()),
@@ -101,7 +119,7 @@ pub fn prepare(mut script: Script, unpacked: &UnpackedUnits, options: RunOptions
         from,
         units: units.clone(),
     };
-    Ok(PreparedRun { spec, saving, record, folder, home: Arc::clone(home), script: script.name })
+    Ok(PreparedRun { spec, saving, record, folder, home: Arc::clone(home), completion, script: script.name })
 }
 
 /// A private file for each tick at which something is saved.

@@ -67,7 +67,7 @@ pub fn carry_out(
     start_workers: Option<StartWorkers>,
 ) -> Result<RunOutcome, SuperviseError> {
     let ReadyRun { run, live } = ready;
-    let PreparedRun { spec, saving, mut record, mut folder, home: _home, script } = run;
+    let PreparedRun { spec, saving, mut record, mut folder, home: _home, completion: _completion, script } = run;
     let program = std::env::current_exe();
     let program = program.map_err(|error| SuperviseError::Start { doing: "find this program", error });
     let ended = program.and_then(|program| {

@@ -1,6 +1,6 @@
 //! Ends a process without parent, and removes the folder that the parent would have removed.
 
-use crate::run::run_spec::HOME_PREFIX;
+use crate::run::home::is_home;
 use std::io;
 use std::path::{Path, PathBuf};
 use unit::exit;
@@ -18,14 +18,4 @@ pub fn end_when_orphaned(home: Option<&Path>) {
         }
         exit::at_once(1);
     });
-}
-
-fn is_home(folder: &Path) -> bool {
-    folder.file_name().is_some_and(|name| name.to_string_lossy().starts_with(HOME_PREFIX))
-}
-
-#[test]
-fn only_a_private_folder_of_a_run_is_removed() {
-    assert!(is_home(Path::new("/tmp/lockstep-x7Q")));
-    assert!(!is_home(Path::new("/tmp")) && !is_home(Path::new("/")) && !is_home(Path::new("/home/lockstep/runs")));
 }

@@ -11,6 +11,7 @@ mod terms;
 mod tests;
 
 use crate::host::watchdog::Watchdog;
+use crate::run::interruption;
 use crate::run::message::{Finish, Message, Reason};
 use crate::run::run_spec::RunSpec;
 use flatten::claims::info;
@@ -24,8 +25,6 @@ use results::report::progress::Progress;
 use results::shortest_decimal;
 use results::sink::Event;
 use results::verdict::{JudgedClaim, Standing, Verdict};
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::iterator::Signals;
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -67,7 +66,6 @@ pub fn supervise<W: Write>(
 ) -> Result<RunEnd, SuperviseError> {
     let columns = if spec.options.hands_over_rows() { spec.scenario.columns.len() } else { 0 };
     let layout = BoardLayout { notes: 1, columns, claims: spec.scenario.claims.len() };
-    let signals = Signals::new([SIGINT, SIGTERM]).map_err(start_error("listen for Ctrl-C"))?;
     let board = if spec.worker_of.is_some() { Board::private(&layout) } else { Board::create(&spec.board, &layout) };
     let board = Arc::new(board.map_err(start_error("make the board of the run"))?);
     let stepping = match (&spec.worker_of, start_workers) {
@@ -82,14 +80,13 @@ pub fn supervise<W: Write>(
     // Last, so that all that a run opens is open before clients connect, and that rows are in the files before the end of the
     // run is published.
     live.into_iter().for_each(|begin| recorder.add(begin(&board)));
-    supervise_loop(Supervision::new(spec, saving, &board, recorder, console), signals, stepping)
+    supervise_loop(Supervision::new(spec, saving, &board, recorder, console), stepping)
 }
 
 /// The order of the parameters is that in which they are dropped, last to first: what steps a run that is given up ends
 /// before that is published.
 fn supervise_loop<W: Write>(
     mut run: Supervision<'_, W>,
-    mut signals: Signals,
     mut stepping: Box<dyn Stepping>,
 ) -> Result<RunEnd, SuperviseError> {
     loop {
@@ -101,7 +98,7 @@ fn supervise_loop<W: Write>(
             return run.conclude(cause, drained.err());
         }
         let busy = drained.map_err(|error| run.give_up(error))?;
-        for _ in signals.pending() {
+        while run.interrupts < interruption::received() {
             run.interrupt(&mut *stepping);
         }
         run.watch(&mut *stepping);

@@ -1,7 +1,9 @@
 //! A run: from initialization over each tick to verdicts, on workers that hold the instances.
 
 pub mod board_observer;
+pub mod home;
 pub mod instantiate;
+pub mod interruption;
 pub mod message;
 mod pace;
 pub mod prepared_run;

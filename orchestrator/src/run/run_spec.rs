@@ -8,9 +8,6 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use unit::time::seconds;
 
-/// How the name of a run's private folder begins.
-pub const HOME_PREFIX: &str = "lockstep-";
-
 /// Everything that the stepping process needs; it reads no script and looks for no unit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RunSpec {
