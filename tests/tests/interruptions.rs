@@ -61,9 +61,10 @@ fn a_signal_ends_a_run_cleanly_and_keeps_whole_rows() {
     for (name, placement) in
         [("INT", ""), ("TERM", ""), ("HUP", ""), ("QUIT", ""), ("HUP", "--isolate"), ("QUIT", "--isolate")]
     {
-        let out = folder.path().join(name);
-        let arguments = ["run", "long.scn", "--out", name, placement];
-        let given = arguments.iter().filter(|argument| !argument.is_empty()).copied().collect::<Vec<_>>();
+        let results = format!("{name}{placement}");
+        let out = folder.path().join(&results);
+        let arguments = ["run", "long.scn", "--out", &results, placement];
+        let given: Vec<_> = arguments.into_iter().filter(|argument| !argument.is_empty()).collect();
         let mut program = Flight::start(folder.path(), &given);
         await_rows(&out);
         assert_eq!(program.temporary_folders().len(), 1);

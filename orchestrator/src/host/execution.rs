@@ -15,6 +15,7 @@ use results::run_folder::{RunFolder, VERDICT_JSON};
 use results::run_record::{Broken, RunRecord, RunState};
 use results::verdict::{JudgedClaim, VerdictFile};
 use results::{TraceError, signals};
+use unit::process::Descendants;
 use unit::time::seconds;
 
 /// A run that is prepared, with what shows it while it goes on.
@@ -70,7 +71,11 @@ pub fn carry_out(
     let PreparedRun { spec, saving, mut record, mut folder, home: _home, completion: _completion, script } = run;
     let program = std::env::current_exe();
     let program = program.map_err(|error| SuperviseError::Start { doing: "find this program", error });
+    let adopted = Descendants::adopt();
+    let adopted = adopted.map_err(|error| SuperviseError::Start { doing: "adopt the processes of units", error });
     let ended = program.and_then(|program| {
+        // Dropped when what steps has ended, and while signals are still counted.
+        let _descendants = adopted?;
         let recorder = begin_files(&folder, &spec).map_err(SuperviseError::Trace)?;
         supervise(&spec, &saving, &program, start_workers, recorder, live, &mut Console::stderr(style))
     });

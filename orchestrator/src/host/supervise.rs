@@ -101,6 +101,7 @@ fn supervise_loop<W: Write>(
         while run.interrupts < interruption::received() {
             run.interrupt(&mut *stepping);
         }
+        stepping.reap_adopted();
         run.watch(&mut *stepping);
         run.report_progress();
         if !busy {

@@ -1,7 +1,13 @@
-//! What the program asks of the system for itself.
+//! What the program asks of the system for itself and for the processes below it.
 
+use std::collections::BTreeSet;
 use std::ffi::c_int;
-use std::ptr;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::{fs, io, ptr};
+
+/// Whether this process adopts orphans; until then it has no processes but those that it started and waits for.
+static ADOPTS: AtomicBool = AtomicBool::new(false);
 
 /// Makes writes beyond the limit of a file's size (`ulimit -f`) fail like those to a full disk. Otherwise SIGXFSZ would end
 /// the process. The processes that this one starts inherit it.
@@ -17,4 +23,105 @@ pub fn is_ignored(signal: c_int) -> bool {
     let mut action: libc::sigaction = unsafe { std::mem::zeroed() };
     // SAFETY: without a new action the call writes the present one to `action`, and changes nothing.
     unsafe { libc::sigaction(signal, ptr::null(), &raw mut action) == 0 && action.sa_sigaction == libc::SIG_IGN }
+}
+
+/// Makes this process the parent of each process below it whose own parent ends, so that [`Descendants`] finds it.
+///
+/// # Errors
+/// The system does not have it.
+fn adopt_orphans() -> io::Result<()> {
+    let enabled: libc::c_ulong = 1;
+    // SAFETY: takes plain numbers.
+    if unsafe { libc::prctl(libc::PR_SET_CHILD_SUBREAPER, enabled) } != 0 {
+        return Err(io::Error::last_os_error());
+    }
+    ADOPTS.store(true, Ordering::Relaxed);
+    Ok(())
+}
+
+/// Waits for adopted processes that have ended, which would stay zombies otherwise. `is_own` names the processes that this
+/// one started and waits for itself.
+pub fn reap_adopted(is_own: impl Fn(u32) -> bool) {
+    while ADOPTS.load(Ordering::Relaxed)
+        && let Some(ended) = ended_child()
+        && !is_own(ended.unsigned_abs())
+    {
+        reap(ended, libc::WNOHANG);
+    }
+}
+
+/// A child that has ended and is not waited for yet; it stays so.
+fn ended_child() -> Option<libc::pid_t> {
+    // SAFETY: all bits zero are a valid `siginfo_t`.
+    let mut child: libc::siginfo_t = unsafe { std::mem::zeroed() };
+    let options = libc::WEXITED | libc::WNOHANG | libc::WNOWAIT;
+    // SAFETY: the call writes to `child` only.
+    let found = unsafe { libc::waitid(libc::P_ALL, 0, &raw mut child, options) } == 0;
+    // SAFETY: `waitid` sets the field, or leaves the zero where no child has ended.
+    let id = unsafe { child.si_pid() };
+    (found && id != 0).then_some(id)
+}
+
+fn reap(child: libc::pid_t, options: c_int) {
+    // SAFETY: takes plain numbers, and a null pointer where no status is wanted.
+    unsafe { libc::waitpid(child, ptr::null_mut(), options) };
+}
+
+fn kill(process: libc::pid_t) -> bool {
+    // SAFETY: takes plain numbers. A process that has ended but is not waited for keeps its number.
+    unsafe { libc::kill(process, libc::SIGKILL) == 0 }
+}
+
+/// Ends this process and all others of its process group, if that is its own group: those that a unit started.
+pub fn end_own_group() {
+    // SAFETY: both take nothing and return a number.
+    if unsafe { libc::getpgrp() == libc::getpid() } {
+        kill(0);
+    }
+}
+
+/// The processes below this one, which end when this value is dropped: what units started, and what these started.
+/// Processes that were there before, such as those of a shell that this program replaced, are left alone.
+#[derive(Debug)]
+pub struct Descendants {
+    spared: BTreeSet<libc::pid_t>,
+}
+
+impl Descendants {
+    /// Adopts orphans from now on.
+    ///
+    /// # Errors
+    /// The system cannot do that.
+    pub fn adopt() -> io::Result<Self> {
+        let spared = children().into_iter().collect();
+        adopt_orphans()?;
+        Ok(Self { spared })
+    }
+}
+
+impl Drop for Descendants {
+    fn drop(&mut self) {
+        // The end of a process makes its children children of this one, which the next round finds.
+        while let Some(child) = children().into_iter().find(|child| !self.spared.contains(child)) {
+            if kill(child) {
+                reap(child, 0);
+            } else {
+                // It has another user and goes on.
+                self.spared.insert(child);
+            }
+        }
+    }
+}
+
+/// The children of this process, from `/proc/*/stat`: id, name in brackets, state, id of the parent.
+fn children() -> Vec<libc::pid_t> {
+    let own = std::process::id();
+    let child = |path: &Path| {
+        let id = path.file_name()?.to_str()?.parse().ok()?;
+        let text = fs::read(path.join("stat")).ok()?;
+        let text = String::from_utf8_lossy(&text);
+        let parent = text.rsplit_once(") ")?.1.split(' ').nth(1)?;
+        (parent.parse() == Ok(own)).then_some(id)
+    };
+    fs::read_dir("/proc").into_iter().flatten().flatten().filter_map(|entry| child(&entry.path())).collect()
 }

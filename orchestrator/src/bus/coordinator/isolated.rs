@@ -15,6 +15,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 use unit::board::Board;
 use unit::failure::Cause;
+use unit::process;
 
 /// How long workers may take to end after their last order.
 const EXIT_DEADLINE: Duration = Duration::from_secs(1);
@@ -62,6 +63,10 @@ impl Stepping for Isolated {
         // Called when no end of the run was reported. The thread ends so only by a panic, whose message was printed already.
         let unreported = || Cause::Other("the step loop ended without a word".to_owned());
         Ok(self.thread.is_finished().then(unreported))
+    }
+
+    fn reap_adopted(&self) {
+        process::reap_adopted(|process| self.processes.contain(process));
     }
 
     fn kill(&mut self) {

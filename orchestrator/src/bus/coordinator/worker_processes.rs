@@ -30,6 +30,7 @@ const CHECK_PERIOD: Duration = Duration::from_millis(1);
 #[derive(Debug)]
 pub struct WorkerProcesses {
     children: Vec<Mutex<Child>>,
+    ids: Vec<u32>,
     /// How many processors this process may use.
     processors: usize,
     /// Set by [`WorkerProcesses::kill_all`], so that threads that still connect to workers stop.
@@ -45,6 +46,7 @@ impl WorkerProcesses {
     pub fn start<'a>(program: &Path, addresses: impl IntoIterator<Item = &'a Address>) -> io::Result<Self> {
         let mut processes = Self {
             children: Vec::new(),
+            ids: Vec::new(),
             processors: available_parallelism().map_or(1, NonZero::get),
             killed: AtomicBool::new(false),
         };
@@ -53,7 +55,9 @@ impl WorkerProcesses {
             command.arg(SUBCOMMAND).args(["--once", "--home"]).arg(&address.home).arg(address.number.to_string());
             command.env(RUNTIME.0, RUNTIME.1).stdin(Stdio::piped()).process_group(0);
             command.stdout(io::stderr().as_fd().try_clone_to_owned()?);
-            processes.children.push(Mutex::new(command.spawn()?));
+            let child = command.spawn()?;
+            processes.ids.push(child.id());
+            processes.children.push(Mutex::new(child));
         }
         Ok(processes)
     }
@@ -61,6 +65,12 @@ impl WorkerProcesses {
     fn child(&self, number: usize) -> MutexGuard<'_, Child> {
         // A thread that panicked with the lock has left the value valid: no change of it takes two statements.
         self.children[number].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether one of them has this id.
+    #[must_use]
+    pub fn contain(&self, id: u32) -> bool {
+        self.ids.contains(&id)
     }
 
     /// Whether there is a processor for each worker and one more for the coordinator, which may then poll for replies.

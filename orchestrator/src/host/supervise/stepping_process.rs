@@ -11,6 +11,7 @@ use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use unit::failure::Cause;
+use unit::process;
 
 /// The subcommand that the child is started with.
 pub const SUBCOMMAND: &str = "step-loop";
@@ -52,6 +53,10 @@ impl Stepping for SteppingProcess {
             self.status = self.child.try_wait()?;
         }
         Ok(self.status.map(cause_of_death))
+    }
+
+    fn reap_adopted(&self) {
+        process::reap_adopted(|process| process == self.child.id());
     }
 
     fn kill(&mut self) {

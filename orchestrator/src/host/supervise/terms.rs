@@ -29,6 +29,9 @@ pub trait Stepping {
     /// The system cannot report the state of the process.
     fn ended(&mut self) -> io::Result<Option<Cause>>;
 
+    /// Waits for the programs which its units started, whose parents have ended and which have ended themselves.
+    fn reap_adopted(&self);
+
     /// Ends it at once; [`Stepping::ended`] tells when that has happened.
     fn kill(&mut self);
 }
