@@ -25,6 +25,9 @@ pub const PARTIAL: &str = ".partial";
 /// The plot that `lockstep plot` draws of a run.
 pub const PLOT_SVG: &str = "plot.svg";
 
+/// A longer `run.json` is none of ours.
+const LONGEST_RECORD: u64 = 64 << 20;
+
 /// The files of a run besides its record; those of an earlier run are removed before a new one begins.
 const RESULTS: [&str; 5] = [TRACE_CSV, TRACE_PARQUET, SIGNALS_JSON, VERDICT_JSON, PLOT_SVG];
 
@@ -44,10 +47,15 @@ impl RunFolder {
     pub fn claim(path: &Path, record: &RunRecord) -> Result<Self, TraceError> {
         fs::create_dir_all(path).map_err(TraceError::io("create", path))?;
         let file_path = path.join(RUN_JSON);
-        let occupied = fs::read_dir(path).map_err(TraceError::io("read", path))?.next().is_some();
+        let entries = fs::read_dir(path).map_err(TraceError::io("read", path))?.count();
+        let occupied = entries > 0;
+        // Only a file is opened: a pipe would be waited for.
+        if fs::metadata(&file_path).is_ok_and(|entry| !entry.is_file()) {
+            return Err(TraceError::Foreign(path.to_owned()));
+        }
         let mut options = OpenOptions::new();
         options.read(true).write(true);
-        let mut file = match options.create(!occupied).truncate(false).open(&file_path) {
+        let file = match options.create(!occupied).truncate(false).open(&file_path) {
             Ok(file) => file,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(TraceError::Foreign(path.to_owned())),
             Err(error) => return Err(TraceError::io("open", &file_path)(error)),
@@ -57,10 +65,11 @@ impl RunFolder {
             Err(TryLockError::WouldBlock) => return Err(TraceError::Locked(path.to_owned())),
             Err(TryLockError::Error(error)) => return Err(TraceError::io("lock", &file_path)(error)),
         }
-        // A `run.json` without content is accepted: it is left by a run that ended between creating and writing it.
         let mut earlier = Vec::new();
-        file.read_to_end(&mut earlier).map_err(TraceError::io("read", &file_path))?;
-        if occupied && !earlier.is_empty() && !RunRecord::is_one(&earlier) {
+        (&file).take(LONGEST_RECORD).read_to_end(&mut earlier).map_err(TraceError::io("read", &file_path))?;
+        // A run that ended between creating and writing it leaves a `run.json` without content, and nothing else.
+        let just_created = earlier.is_empty() && entries <= 1;
+        if !just_created && !RunRecord::is_one(&earlier) {
             return Err(TraceError::Foreign(path.to_owned()));
         }
         let mut folder = Self { path: path.to_owned(), record: file };
@@ -207,14 +216,35 @@ mod tests {
 
     #[test]
     fn a_folder_with_other_files_is_refused_and_not_changed() {
-        for (name, text) in [("thesis.tex", "words"), (RUN_JSON, "{\"of\": \"another tool\"}")] {
+        let others = [("thesis.tex", "words"), (RUN_JSON, "{\"of\": \"another tool\"}"), (RUN_JSON, "")];
+        for (name, text) in others {
             let home = tempfile::tempdir().unwrap();
             fs::write(home.path().join(name), text).unwrap();
+            fs::write(home.path().join(TRACE_CSV), "numbers of another tool").unwrap();
             let refused = RunFolder::claim(home.path(), &record()).unwrap_err();
             assert!(matches!(refused, TraceError::Foreign(_)), "{refused}");
             assert_eq!(fs::read_to_string(home.path().join(name)).unwrap(), text);
-            assert_eq!(fs::read_dir(home.path()).unwrap().count(), 1);
+            assert_eq!(fs::read_dir(home.path()).unwrap().count(), 2);
         }
+    }
+
+    #[test]
+    fn a_record_that_is_no_file_is_refused_at_once() {
+        let home = tempfile::tempdir().unwrap();
+        let made = std::process::Command::new("mkfifo").arg(home.path().join(RUN_JSON)).status();
+        assert!(made.is_ok_and(|status| status.success()));
+        let refused = RunFolder::claim(home.path(), &record()).unwrap_err();
+        assert!(matches!(refused, TraceError::Foreign(_)), "{refused}");
+        fs::remove_file(home.path().join(RUN_JSON)).unwrap();
+        fs::create_dir(home.path().join(RUN_JSON)).unwrap();
+        assert!(matches!(RunFolder::claim(home.path(), &record()).unwrap_err(), TraceError::Foreign(_)));
+    }
+
+    #[test]
+    fn an_empty_record_alone_is_what_a_run_leaves_that_ended_at_once() {
+        let home = tempfile::tempdir().unwrap();
+        fs::write(home.path().join(RUN_JSON), "").unwrap();
+        RunFolder::claim(home.path(), &record()).unwrap();
     }
 
     #[test]

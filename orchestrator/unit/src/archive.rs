@@ -146,10 +146,18 @@ pub fn inspect(bytes: &[u8]) -> Result<(ModelDescription, Vec<Finding>), UnitErr
 }
 
 fn open(fmu: &Path) -> Result<(ZipArchive<BufReader<File>>, Survey), UnitError> {
-    let file = File::open(fmu).map_err(file_error("opening", fmu))?;
+    let file = open_file(fmu).map_err(file_error("opening", fmu))?;
     let mut archive = ZipArchive::new(BufReader::new(file)).map_err(|error| broken(&error).at(fmu))?;
     let survey = Survey::of(&mut archive).map_err(|problem| problem.at(fmu))?;
     Ok((archive, survey))
+}
+
+/// Opens what is a file: a pipe would be waited for.
+fn open_file(path: &Path) -> io::Result<File> {
+    if !fs::metadata(path)?.is_file() {
+        return Err(io::Error::other("it is not a regular file"));
+    }
+    File::open(path)
 }
 
 fn broken(error: &zip::result::ZipError) -> Problem {
@@ -183,7 +191,12 @@ fn contents<R: Read + Seek>(
 ) -> Result<(), Problem> {
     let cannot_read = |error: &dyn std::fmt::Display| Problem::of(&entry.name, format!("cannot be read: {error}"));
     let file = archive.by_index(entry.index).map_err(|error| cannot_read(&error))?;
-    let written = io::copy(&mut file.take(entry.size + 1), to).map_err(|error| cannot_read(&error))?;
+    let written = io::copy(&mut file.take(entry.size + 1), to).map_err(|error| match error.kind() {
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge => {
+            Problem::of(&entry.name, format!("cannot be unpacked: {error}"))
+        }
+        _ => cannot_read(&error),
+    })?;
     if written != entry.size {
         return Err(Problem::of(&entry.name, format!("announces {} bytes, but holds {written}", entry.size)));
     }
@@ -223,7 +236,7 @@ fn make_folder_all(path: &Path) -> io::Result<()> {
 
 fn hash(path: &Path) -> io::Result<String> {
     let mut hasher = Sha256::new();
-    let mut file = File::open(path)?;
+    let mut file = open_file(path)?;
     let mut buffer = vec![0; 1 << 16];
     loop {
         match file.read(&mut buffer)? {
