@@ -289,8 +289,9 @@ pub fn endpoint(socket: &Path) -> Result<String, String> {
     /// The system's limit for the path of a socket (108 bytes), less what zenoh appends for its lock file.
     const LONGEST: usize = 100;
     let path = socket.to_str().filter(|path| path.len() <= LONGEST && !path.contains(['?', '#', ';', '=', '"', '\\']));
+    let path = path.filter(|path| !path.contains(char::is_control));
     let path = path.ok_or_else(|| {
-        format!("{} cannot be the name of a socket; set TMPDIR to a folder with a short, plain name", socket.display())
+        format!("{socket:?} cannot be the name of a socket; set TMPDIR to a folder with a short, plain name")
     })?;
     Ok(format!("\"unixsock-stream/{path}\""))
 }
@@ -371,7 +372,7 @@ mod tests {
 #[test]
 fn the_path_of_a_socket_is_short_and_without_special_characters() {
     assert_eq!(endpoint(Path::new("/tmp/a b/3.sock")), Ok("\"unixsock-stream//tmp/a b/3.sock\"".to_owned()));
-    for path in ["/tmp/a#b/3.sock", &format!("/tmp/{}/3.sock", "x".repeat(100))] {
+    for path in ["/tmp/a#b/3.sock", "/tmp/a\nb/3.sock", &format!("/tmp/{}/3.sock", "x".repeat(100))] {
         assert!(endpoint(Path::new(path)).is_err_and(|message| message.contains("TMPDIR")), "{path}");
     }
 }

@@ -1,6 +1,6 @@
 //! The exit codes of a run, which scripts and CI systems rely on, and how a run comes to its own.
 
-use crate::find::preparation::Refusal;
+use crate::find::preparation::{OTHER_TMPDIR, Refusal};
 use crate::host::execution::{ReadyRun, RunOutcome, carry_out};
 use crate::host::supervise::{StartWorkers, SuperviseError};
 use crate::run::interruption;
@@ -8,6 +8,7 @@ use results::TraceError;
 use results::report;
 use results::report::console::Style;
 use results::verdict::Count;
+use std::io;
 
 /// All claims hold, or there are none.
 const OK: u8 = 0;
@@ -16,7 +17,7 @@ const FAILED: u8 = 1;
 /// The script or the command line is wrong: anything before the first unit is instantiated.
 pub(super) const USAGE: u8 = 2;
 /// The run broke: anything from there on.
-pub(super) const BROKEN: u8 = 3;
+pub(super) const BROKEN: u8 = interruption::BROKEN;
 /// There are claims and none was judged.
 const UNJUDGED: u8 = 4;
 /// The user interrupted.
@@ -48,11 +49,16 @@ pub(super) fn reached(
     code.unwrap_or_else(|error| {
         let help = match &error {
             SuperviseError::Trace(error) | SuperviseError::Broken { error, .. } => error.help(),
-            SuperviseError::Start { .. } => None,
+            SuperviseError::Start { error, .. } => has_no_room(error).then_some(OTHER_TMPDIR),
         };
         report::error(&error, help);
         BROKEN
     })
+}
+
+/// Whether a file could not be made in the private folder for want of room.
+fn has_no_room(error: &io::Error) -> bool {
+    [io::ErrorKind::FileTooLarge, io::ErrorKind::QuotaExceeded, io::ErrorKind::StorageFull].contains(&error.kind())
 }
 
 /// The code of a run that was started; where several fit, interrupted comes first, then broken, unjudged, failed.

@@ -16,9 +16,13 @@ use crate::run::interruption;
 use clap::{Parser, Subcommand};
 use results::report;
 use std::env;
+use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
 use unit::describe::library_description;
 use unit::process;
+
+/// The stack on which a script is read, and some memory besides.
+const ADDRESS_SPACE: usize = 128 << 20;
 
 /// The commands that the program starts itself to load units.
 const HOLDS_UNITS: [&str; 3] = [crate::host::supervise::SUBCOMMAND, WORKER, unit::describe::SUBCOMMAND];
@@ -70,7 +74,12 @@ impl Cli {
             report::error(&format!("cannot listen for Ctrl-C: {error}"), None);
             return exit_code::USAGE;
         }
-        Self::parse().run()
+        if !holds_units && !process::has_address_space(ADDRESS_SPACE) {
+            report::error(&"too little address space is left", Some("raise the limit (ulimit -v)"));
+            return exit_code::USAGE;
+        }
+        // A panic is printed already. It is a defect, or zenoh's answer where the system gives it nothing.
+        catch_unwind(|| Self::parse().run()).unwrap_or(exit_code::BROKEN)
     }
 
     /// Runs the command and returns the exit code of the process.

@@ -22,9 +22,10 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use unit::archive::{Unpacked, unpack};
+use unit::process;
 
 /// What helps where the folder of temporary files cannot be used.
-const OTHER_TMPDIR: &str = "set TMPDIR to another folder";
+pub const OTHER_TMPDIR: &str = "set TMPDIR to another folder";
 /// How many findings about one unit a run prints.
 const FINDINGS_SHOWN: usize = 3;
 
@@ -78,8 +79,12 @@ pub fn unpack_units(script: &Script) -> Result<UnpackedUnits, Refusal> {
 fn private_folder() -> Result<Home, Refusal> {
     let home = Home::make()
         .map_err(|error| Refusal::new(&format!("cannot make a folder for the units: {error}"), Some(OTHER_TMPDIR)))?;
+    let root = home.path().parent().unwrap_or(home.path());
+    if process::forbids_libraries(home.path()) {
+        let message = format!("no library can be loaded from {}: its file system is mounted noexec", root.display());
+        return Err(Refusal::new(&message, Some(OTHER_TMPDIR)));
+    }
     if home.is_replaceable() {
-        let root = home.path().parent().unwrap_or(home.path());
         status(&format!(
             "warning: other users can replace the units of this run: all may rename folders in {}\n\
              help: {OTHER_TMPDIR}, or run chmod +t on it",

@@ -3,16 +3,19 @@
 //! While a run has results to complete, signals are counted, and its supervisor ends it. At any other time a signal ends the
 //! program at once; the private folders of runs are removed before.
 
-use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
+use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGQUIT, SIGTERM};
+use signal_hook::flag;
 use signal_hook::iterator::Signals;
 use std::io;
 use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::Builder;
 use unit::{exit, process};
 
 /// The exit code of a program that was interrupted.
 pub const INTERRUPTED: u8 = 130;
+/// The exit code of a program that broke.
+pub const BROKEN: u8 = 3;
 /// Enough for the removal of a folder.
 const STACK_BYTES: usize = 256 << 10;
 /// How often the removal of a folder is tried in which another thread may still make files.
@@ -35,11 +38,13 @@ fn state() -> MutexGuard<'static, State> {
     STATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Handles the signals from now on. SIGHUP stays ignored where `nohup` ignores it.
+/// Handles the signals from now on. SIGHUP stays ignored where `nohup` ignores it. An abort, the end of a program that gets
+/// no memory, has the exit code of a run that broke.
 ///
 /// # Errors
 /// The system gives no thread or no descriptors.
 pub fn listen() -> io::Result<()> {
+    flag::register_conditional_shutdown(SIGABRT, BROKEN.into(), Arc::new(true.into()))?;
     let handled = [SIGINT, SIGTERM, SIGQUIT, SIGHUP].into_iter();
     let mut signals = Signals::new(handled.filter(|&signal| signal != SIGHUP || !process::is_ignored(SIGHUP)))?;
     let receive = move || {

@@ -11,3 +11,10 @@ pub fn raise_limit() {
         }
     }
 }
+
+/// Whether this process may open so many more files.
+#[must_use]
+pub fn are_left(count: usize) -> bool {
+    let opened: Result<Vec<_>, _> = (0..count).map(|_| std::fs::File::open("/dev/null")).collect();
+    opened.is_ok()
+}

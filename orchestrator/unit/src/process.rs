@@ -1,7 +1,8 @@
 //! What the program asks of the system for itself and for the processes below it.
 
 use std::collections::BTreeSet;
-use std::ffi::c_int;
+use std::ffi::{CString, c_int};
+use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::{fs, io, ptr};
@@ -14,6 +15,27 @@ static ADOPTS: AtomicBool = AtomicBool::new(false);
 pub fn survive_file_size_limit() {
     // SAFETY: takes plain numbers; no handler runs in this process.
     unsafe { libc::signal(libc::SIGXFSZ, libc::SIG_IGN) };
+}
+
+/// Whether this process may map so many more bytes (`ulimit -v`). Nothing is mapped afterwards.
+#[must_use]
+pub fn has_address_space(bytes: usize) -> bool {
+    let flags = libc::MAP_PRIVATE | libc::MAP_ANONYMOUS | libc::MAP_NORESERVE;
+    // SAFETY: without an address hint the system chooses an unused range, which nothing accesses.
+    let start = unsafe { libc::mmap(ptr::null_mut(), bytes, libc::PROT_NONE, flags, -1, 0) };
+    // SAFETY: this is exactly the range that was mapped.
+    start != libc::MAP_FAILED && unsafe { libc::munmap(start, bytes) } == 0
+}
+
+/// Whether the file system of a folder forbids to load libraries from it (`noexec`).
+#[must_use]
+pub fn forbids_libraries(folder: &Path) -> bool {
+    let Ok(folder) = CString::new(folder.as_os_str().as_bytes()) else { return false };
+    // SAFETY: all bits zero are a valid `statvfs`.
+    let mut system: libc::statvfs = unsafe { std::mem::zeroed() };
+    // SAFETY: the path ends with a zero, and the call writes to `system` only.
+    let found = unsafe { libc::statvfs(folder.as_ptr(), &raw mut system) } == 0;
+    found && system.f_flag & libc::ST_NOEXEC != 0
 }
 
 /// Whether this process ignores a signal: `nohup` starts programs so that they ignore SIGHUP.

@@ -16,7 +16,17 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 use unit::board::{Board, BoardLayout};
+use unit::descriptors::{are_left, raise_limit};
 use unit::failure::Failure;
+use unit::process::has_address_space;
+
+/// What zenoh opens in the coordinator, once and for each worker, with the pipe to the worker; and as many more for the start
+/// of processes. zenoh ends the program with a panic where it gets none.
+const DESCRIPTORS: usize = 24;
+const DESCRIPTORS_PER_WORKER: usize = 3;
+/// What zenoh's threads map, likewise.
+const ADDRESS_SPACE: usize = 1 << 30;
+const ADDRESS_SPACE_PER_WORKER: usize = 64 << 20;
 
 /// Worker processes to which there is no connection yet.
 #[derive(Debug)]
@@ -35,6 +45,14 @@ impl WorkerSet {
         let addresses: Vec<_> = (0..count).map(|number| Address { home: home.to_owned(), number }).collect();
         for address in &addresses {
             endpoint(&address.socket()).map_err(io::Error::other)?;
+        }
+        raise_limit();
+        if !are_left(DESCRIPTORS + count * DESCRIPTORS_PER_WORKER) {
+            let text = format!("{count} of them need more file descriptors than are left; raise the limit (ulimit -n)");
+            return Err(io::Error::other(text));
+        }
+        if !has_address_space(ADDRESS_SPACE + count * ADDRESS_SPACE_PER_WORKER) {
+            return Err(io::Error::other("they need more address space than is left; raise the limit (ulimit -v)"));
         }
         let layout = BoardLayout { notes: 1, columns: 0, claims: 0 };
         let boards = addresses.iter().map(|address| Board::create(&address.board(), &layout).map(Arc::new));

@@ -6,7 +6,13 @@ use crate::host::execution::ReadyRun;
 use crate::run::prepared_run::PreparedRun;
 use results::report::status;
 use results::sink::Sink;
-use unit::descriptors::raise_limit;
+use unit::descriptors::{are_left, raise_limit};
+use unit::process::has_address_space;
+
+/// What zenoh opens and the run after it. zenoh ends the program with a panic where it gets nothing.
+const DESCRIPTORS: usize = 32;
+/// What zenoh's threads map.
+const ADDRESS_SPACE: usize = 512 << 20;
 
 /// What a run is told about those who watch.
 #[derive(Debug, clap::Args)]
@@ -31,6 +37,10 @@ impl Live {
         let Some(endpoint) = self.live.as_deref().or(unnamed) else { return Ok(None) };
         // Each client takes a descriptor, and so does each connection that has not said yet that it is one.
         raise_limit();
+        if !are_left(DESCRIPTORS) || !has_address_space(ADDRESS_SPACE) {
+            let message = "too few file descriptors or too little address space are left for --live";
+            return Err(Refusal::new(&message, Some("raise the limits (ulimit -n, ulimit -v)")));
+        }
         let listening = Listening::at(endpoint).map_err(|error| refusal(&error))?;
         if listening.is_open_to_others() {
             status(&format!(
