@@ -12,6 +12,7 @@ use orchestrator::run::run_spec::{RunSpec, SaveSpec, UnitSpec};
 use orchestrator::run::step_loop::Checkpoint;
 use orchestrator::run::stepping::step_run;
 use std::fs;
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::sync::Arc;
 use std::thread::sleep;
@@ -107,10 +108,15 @@ struct Ran {
 
 /// Runs to the end that is reported on the board, which has room for all rows.
 fn run(spec: &RunSpec) -> Ran {
+    run_with(Path::new(env!("CARGO_BIN_EXE_lockstep")), spec)
+}
+
+/// The same with another program as worker.
+fn run_with(program: &Path, spec: &RunSpec) -> Ran {
     let board = Board::private(&BoardLayout { notes: 1, columns: spec.scenario.columns.len(), claims: 0 });
     let board = Arc::new(board.unwrap());
     let stepping = match spec.worker_of {
-        Some(_) => Some(start_isolated(Path::new(env!("CARGO_BIN_EXE_lockstep")), spec, &board).unwrap()),
+        Some(_) => Some(start_isolated(program, spec, &board).unwrap()),
         None => {
             step_run(spec, &board);
             None
@@ -170,4 +176,16 @@ fn the_instance_that_breaks_a_worker_of_several_is_named() {
         assert_eq!((failure.instance.as_deref(), failure.time_s), (Some("c"), Some(3.0)), "{how}");
         assert_eq!((failure.doing, failure.cause), (Doing::Call(Call::DoStep), cause), "{how}");
     }
+}
+
+#[test]
+fn a_worker_that_is_stopped_before_it_listens_ends_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("stops");
+    fs::write(&program, "#!/bin/sh\nkill -STOP $$\n").unwrap();
+    fs::set_permissions(&program, fs::Permissions::from_mode(0o700)).unwrap();
+    let ran = run_with(&program, &spec(folder.path(), &units(folder.path(), &[]), Some(&TWO_WORKERS)));
+    let Message::Broken(failure) = ran.end else { panic!("{:?}", ran.end) };
+    assert_eq!((failure.instance.as_deref(), failure.doing), (Some("a"), Doing::BetweenCalls));
+    assert_eq!(failure.cause, Cause::Stopped(1.0));
 }

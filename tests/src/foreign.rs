@@ -42,14 +42,14 @@ impl Foreign<'_> {
     pub fn build(&self) -> (TempDir, PathBuf) {
         let folder = tempfile::tempdir().unwrap();
         let defines: Vec<_> = self.defines.iter().map(|define| format!("-D{define}")).collect();
-        let library = compile("unit.c", &defines, folder.path());
+        let library = compile("unit.c", &defines, None, folder.path());
         let mut description = fs::read_to_string(sources().join("modelDescription.xml")).unwrap();
         for (from, to) in self.description {
             assert!(description.contains(from), "{from}");
             description = description.replace(from, to);
         }
         let fmu = folder.path().join("foreign.fmu");
-        archive(&fmu, &description, &format!("binaries/{}/foreign.so", self.platform), &library);
+        archive(&fmu, &description, &[(format!("binaries/{}/foreign.so", self.platform), &library)]);
         (folder, fmu)
     }
 }
@@ -67,6 +67,8 @@ pub struct Generic<'a> {
     pub variables: &'a str,
     /// Macros of `generic.c`, each with its code: `("STEP_CODE", "R[1] = 2 * R[0];")`.
     pub code: &'a [(&'a str, &'a str)],
+    /// A shared library that it needs, which is packed beside its own.
+    pub beside: Option<&'a Path>,
 }
 
 #[allow(clippy::unwrap_used, reason = "a test that cannot build its unit has failed")]
@@ -78,10 +80,12 @@ impl Generic<'_> {
     pub fn pack(&self, folder: &Path, name: &str) -> PathBuf {
         let scratch = tempfile::tempdir().unwrap();
         let defines: Vec<_> = self.code.iter().map(|(macro_name, code)| format!("-D{macro_name}={code}")).collect();
-        let library = compile("generic.c", &defines, scratch.path());
+        let library = compile("generic.c", &defines, self.beside, scratch.path());
         let fmu = folder.join(format!("{name}.fmu"));
-        let platform = Foreign::default().platform;
-        archive(&fmu, &self.description(name), &format!("binaries/{platform}/{name}.so"), &library);
+        let entry = |file: &str| format!("binaries/{}/{file}", Foreign::default().platform);
+        let beside = self.beside.map(|path| (entry(&path.file_name().unwrap().to_string_lossy()), path));
+        let libraries: Vec<_> = beside.into_iter().chain([(entry(&format!("{name}.so")), library.as_path())]).collect();
+        archive(&fmu, &self.description(name), &libraries);
         fmu
     }
 
@@ -119,9 +123,9 @@ fn sources() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("foreign")
 }
 
-/// Compiles a source of `tests/foreign/` to a shared library in the folder.
+/// Compiles a source of `tests/foreign/` to a shared library in the folder, which may need another one beside it.
 #[allow(clippy::unwrap_used, reason = "a test that cannot build its unit has failed")]
-fn compile(source: &str, defines: &[String], folder: &Path) -> PathBuf {
+fn compile(source: &str, defines: &[String], beside: Option<&Path>, folder: &Path) -> PathBuf {
     let library = folder.join("unit.so");
     let compiled = Command::new("cc")
         .args([
@@ -138,21 +142,24 @@ fn compile(source: &str, defines: &[String], folder: &Path) -> PathBuf {
         .arg("-o")
         .arg(&library)
         .arg(sources().join(source))
-        .arg("-lm")
+        .args(beside)
+        .args(["-Wl,-rpath,$ORIGIN", "-lm"])
         .output()
         .unwrap();
     assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
     library
 }
 
-/// Packs a description and a library.
+/// Packs a description and libraries, each with its place in the archive.
 #[allow(clippy::unwrap_used, reason = "a test that cannot build its unit has failed")]
-fn archive(fmu: &Path, description: &str, entry: &str, library: &Path) {
+fn archive(fmu: &Path, description: &str, libraries: &[(String, &Path)]) {
     let mut archive = zip::ZipWriter::new(fs::File::create(fmu).unwrap());
     let options = SimpleFileOptions::default();
     archive.start_file("modelDescription.xml", options).unwrap();
     archive.write_all(description.as_bytes()).unwrap();
-    archive.start_file(entry, options).unwrap();
-    archive.write_all(&fs::read(library).unwrap()).unwrap();
+    for (entry, library) in libraries {
+        archive.start_file(entry.as_str(), options).unwrap();
+        archive.write_all(&fs::read(library).unwrap()).unwrap();
+    }
     archive.finish().unwrap();
 }

@@ -35,6 +35,7 @@ use stepping_process::SteppingProcess;
 pub use terms::{BeginLive, RunEnd, StartWorkers, Stepping, SuperviseError};
 use unit::board::{Board, BoardLayout, ClaimNote, InCall};
 use unit::failure::{Cause, Failure};
+use unit::process::LONGEST_STOP;
 use unit::time::seconds;
 
 /// How long the parent sleeps when nothing came, and when something did.
@@ -42,6 +43,8 @@ const IDLE: Duration = Duration::from_millis(5);
 const BUSY: Duration = Duration::from_millis(1);
 /// Recorded rows reach the disk at least this often.
 const SAVE_EVERY: Duration = Duration::from_millis(500);
+/// The time between two questions whether the stepping process is stopped.
+const LOOK_PERIOD: Duration = Duration::from_millis(50);
 /// How long a stepping process may take to exit after it reported the end of the run.
 const EXIT_DEADLINE: Duration = Duration::from_secs(2);
 
@@ -127,8 +130,13 @@ struct Supervision<'a, W: Write> {
     polled: Instant,
     log_order: LogOrder,
     calls: Option<Watchdog<InCall>>,
+    /// When it was last asked whether the stepping process is stopped, and since when it is.
+    looked: Instant,
+    stopped: Watchdog<()>,
     exit_deadline: Watchdog<()>,
     last_row: Option<u64>,
+    /// The first tick that did not increase; no row is taken after it.
+    repeated: Option<u64>,
     finish: Option<Finish>,
     failure: Option<Failure>,
     interrupts: usize,
@@ -156,8 +164,11 @@ impl<'a, W: Write> Supervision<'a, W> {
             log_order: LogOrder::default(),
             // Where each instance has a process of its own, the coordinator limits the time of its replies.
             calls: spec.options.step_timeout.filter(|_| spec.worker_of.is_none()).map(Watchdog::new),
+            looked: now,
+            stopped: Watchdog::new(LONGEST_STOP),
             exit_deadline: Watchdog::new(EXIT_DEADLINE),
             last_row: None,
+            repeated: None,
             finish: None,
             failure: None,
             interrupts: 0,
@@ -170,7 +181,12 @@ impl<'a, W: Write> Supervision<'a, W> {
         let reached = self.board.tick();
         let (recorder, last_row) = (&mut self.recorder, &mut self.last_row);
         let mut refused = None;
+        let repeated = &mut self.repeated;
         let rows = self.board.pop_rows(|tick, slots| {
+            if repeated.is_some() || last_row.is_some_and(|last| tick <= last) {
+                repeated.get_or_insert(tick);
+                return;
+            }
             *last_row = Some(tick);
             let recorded = recorder.row(tick, slots);
             refused = refused.take().or(recorded.err());
@@ -262,10 +278,25 @@ impl<'a, W: Write> Supervision<'a, W> {
         }
     }
 
-    /// Kills a process that has been in one call for too long, or that does not exit after it reported the end.
+    /// The failure of a unit that has copied its process, if one has.
+    fn copied(&self) -> Option<Failure> {
+        if let Some(call) = self.board.note(0).copied() {
+            return Some(failure(Some(call), call.tick, &self.spec.scenario, Cause::Copied));
+        }
+        let text = "its row came a second time, from a copy of the stepping process (fork)".to_owned();
+        Some(Failure::between_calls(seconds(self.repeated?, self.spec.scenario.step_ns), text))
+    }
+
+    /// Kills a process that a unit has copied, that has been in one call for too long, or that does not exit after it reported the end.
     fn watch(&mut self, stepping: &mut dyn Stepping) {
         let since = self.polled.elapsed();
         self.polled = Instant::now();
+        if self.failure.is_none()
+            && let Some(copied) = self.copied()
+        {
+            self.failure = Some(copied);
+            stepping.kill();
+        }
         if self.finish.is_some() || self.failure.is_some() {
             if self.exit_deadline.expired(since, Some(())) {
                 stepping.kill();
@@ -273,6 +304,15 @@ impl<'a, W: Write> Supervision<'a, W> {
             return;
         }
         let Some(calls) = &mut self.calls else { return };
+        let looked = self.looked.elapsed();
+        if looked >= LOOK_PERIOD {
+            self.looked = Instant::now();
+            if self.stopped.expired(looked, stepping.is_stopped().then_some(())) {
+                let (call, limit_s) = (self.board.note(0).read(), LONGEST_STOP.as_secs_f64());
+                self.failure = Some(failure(call, self.board.tick(), &self.spec.scenario, Cause::Stopped(limit_s)));
+                return stepping.kill();
+            }
+        }
         let call = self.board.note(0).read();
         if calls.expired(since, call) {
             let limit_s = calls.limit().as_secs_f64();
@@ -300,6 +340,7 @@ impl<'a, W: Write> Supervision<'a, W> {
         self.print_all_messages();
         self.console.clear();
         let killed_by_user = self.interrupts > 1;
+        self.failure = self.failure.take().or_else(|| self.copied());
         if self.finish.is_none() && self.failure.is_none() && !killed_by_user {
             let call = self.board.note(0).read();
             self.failure = Some(failure(call, self.board.tick(), &self.spec.scenario, cause));

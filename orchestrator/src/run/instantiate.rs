@@ -12,7 +12,8 @@ use unit::call_log::CallLog;
 use unit::call_log::LONGEST_PIECE;
 use unit::failure::{Cause, Doing, Failure};
 use unit::instance::{Instance, Setting};
-use unit::library::Library;
+use unit::library::{Conflict, Library};
+use unit::logger::LogMessage;
 
 /// An instance that is to be made.
 #[derive(Clone, Copy, Debug)]
@@ -88,12 +89,33 @@ impl Instantiator<'_> {
 
     fn load(&self, unit: &UnitSpec, name: &str, index: usize) -> Result<Arc<Library>, Failure> {
         let library = Library::load(&unit.folder, &unit.description, &self.note, index);
-        library.map(Arc::new).map_err(|error| Failure {
+        let library = library.map_err(|error| Failure {
             instance: Some(name.to_owned()),
             doing: Doing::Load,
             time_s: None,
             cause: Cause::Other(error.to_string()),
-        })
+        })?;
+        for conflict in library.conflicts() {
+            let warning = LogMessage::warning(index, (0, 0), self.conflict_text(conflict));
+            (self.sink)(Message::Log(warning));
+        }
+        Ok(Arc::new(library))
+    }
+
+    fn conflict_text(&self, conflict: &Conflict) -> String {
+        let named = |path: &Path| {
+            let within = |unit: &UnitSpec| {
+                let folder = unit.folder.canonicalize().ok()?;
+                Some(format!("{} of unit `{}`", path.strip_prefix(folder).ok()?.display(), unit.name))
+            };
+            self.units.iter().find_map(within).unwrap_or_else(|| path.display().to_string())
+        };
+        let Conflict { needed, used, own } = conflict;
+        let own = own.as_ref().map_or_else(|| "that of the system".to_owned(), |own| named(own));
+        format!(
+            "it uses {} instead of {own}: a process has one library named {needed}; with --isolate each unit has its own",
+            named(used)
+        )
     }
 }
 

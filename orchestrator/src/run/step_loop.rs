@@ -146,7 +146,17 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             let group = &self.plan.groups[index];
             if group.is_due(tick) {
                 let order = Order { group: index, tick, inputs: &self.state.inputs };
-                let ticket = self.workers[group.worker].order(&order).map_err(|lost| lost.failure)?;
+                let ticket = match self.workers[group.worker].order(&order) {
+                    Ok(ticket) => ticket,
+                    Err(lost) => {
+                        // As for a result that is not there when it is due, this row is still complete, unless inputs of
+                        // later waves are missing.
+                        if wave + 1 == self.plan.waves.len() {
+                            self.record(tick);
+                        }
+                        return Err(lost.failure);
+                    }
+                };
                 self.state.under_way[index] = Some(UnderWay::Ordered(ticket));
             }
         }

@@ -90,7 +90,7 @@ pub trait Worker {
     /// Orders a group to step. The worker may complete the step or only begin it; its reply reports a failed step.
     ///
     /// # Errors
-    /// The worker is gone.
+    /// The worker is gone, or a unit returned `fmi2Fatal`, after which its library may not be called any more.
     fn order(&mut self, order: &Order<'_>) -> Result<Ticket, Lost>;
 
     /// Awaits the end of an order and returns all outputs of the group, even if one of its instances has terminated.

@@ -164,7 +164,7 @@ impl Logged {
 /// `fmi2GetXXX` and `fmi2SetXXX` of one base type.
 macro_rules! accessors {
     ($value:ty, $base_type:ident, $text:expr, $get:ident = $get_call:ident, $set:ident = $set_call:ident) => {
-        unsafe extern "C" fn $get(
+        unsafe extern "C-unwind" fn $get(
             component: Component,
             references: *const ValueReference,
             count: usize,
@@ -188,7 +188,7 @@ macro_rules! accessors {
             )
         }
 
-        unsafe extern "C" fn $set(
+        unsafe extern "C-unwind" fn $set(
             component: Component,
             references: *const ValueReference,
             count: usize,
@@ -234,7 +234,7 @@ unsafe fn string(text: Str) -> String {
 /// A function whose only argument is the instance.
 macro_rules! plain {
     ($function:ident = $call:ident) => {
-        unsafe extern "C" fn $function(component: Component) -> RawStatus {
+        unsafe extern "C-unwind" fn $function(component: Component) -> RawStatus {
             // SAFETY: `Instance` calls with its own component.
             let logged = unsafe { Logged::of(component) };
             // SAFETY: the unit gets its own component.
@@ -248,7 +248,7 @@ plain!(enter_initialization_mode = EnterInitializationMode);
 plain!(exit_initialization_mode = ExitInitializationMode);
 plain!(terminate = Terminate);
 
-unsafe extern "C" fn setup_experiment(
+unsafe extern "C-unwind" fn setup_experiment(
     component: Component,
     with_tolerance: Boolean,
     tolerance: f64,
@@ -273,7 +273,7 @@ unsafe extern "C" fn setup_experiment(
     logged.call(Call::SetupExperiment, arguments, call, String::new)
 }
 
-unsafe extern "C" fn do_step(component: Component, time_s: f64, step_s: f64, no_way_back: Boolean) -> RawStatus {
+unsafe extern "C-unwind" fn do_step(component: Component, time_s: f64, step_s: f64, no_way_back: Boolean) -> RawStatus {
     // SAFETY: `Instance` calls with its own component.
     let logged = unsafe { Logged::of(component) };
     // SAFETY: the unit gets its own component and plain numbers.
@@ -291,7 +291,7 @@ unsafe extern "C" fn do_step(component: Component, time_s: f64, step_s: f64, no_
 /// A status function, which is called after a discarded step.
 macro_rules! status {
     ($function:ident = $call:ident, $value:ty, $text:expr) => {
-        unsafe extern "C" fn $function(component: Component, kind: StatusKind, value: *mut $value) -> RawStatus {
+        unsafe extern "C-unwind" fn $function(component: Component, kind: StatusKind, value: *mut $value) -> RawStatus {
             // SAFETY: `Instance` calls with its own component.
             let logged = unsafe { Logged::of(component) };
             let call = |functions: &Functions, unit| match functions.$function {
@@ -316,7 +316,7 @@ fn kind_name(kind: StatusKind) -> String {
     }
 }
 
-unsafe extern "C" fn free_instance(component: Component) {
+unsafe extern "C-unwind" fn free_instance(component: Component) {
     // SAFETY: `interpose` made the component from a box, and `Instance` calls this once, as its last call.
     let logged = unsafe { Box::<Logged>::from_raw(component.cast()) };
     logged.writer.begin(Call::FreeInstance, String::new);

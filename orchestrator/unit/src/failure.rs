@@ -44,6 +44,10 @@ pub enum Cause {
     Hung(f64),
     /// The process of the instance sent no heartbeat for this many seconds.
     Silent(f64),
+    /// The call returned in a copy of its process too (`fork`).
+    Copied,
+    /// The process has been stopped (`SIGSTOP`) for this many seconds.
+    Stopped(f64),
     /// A variable got a value that is not a finite number.
     NonFinite {
         /// The variable.
@@ -97,6 +101,7 @@ impl Failure {
             (Cause::Hung(limit_s), _) => {
                 Some(format!("--step-timeout {}s waits longer, --step-timeout 0 for ever", (limit_s * 6.0).ceil()))
             }
+            (Cause::Stopped(_), _) => Some("--step-timeout 0 waits for ever, for a debugger".to_owned()),
             (Cause::Signal(9), _) => Some("the system ends a process like this when memory runs out".to_owned()),
             (Cause::Status(_) | Cause::NoInstance, _) => {
                 Some("the unit's own messages, if it had any, stand above".to_owned())
@@ -120,7 +125,9 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.instance {
             Some(name) => write!(f, "`{name}`")?,
-            None if matches!(self.cause, Cause::Signal(_) | Cause::Exit(_)) => f.write_str("the stepping process")?,
+            None if matches!(self.cause, Cause::Signal(_) | Cause::Exit(_) | Cause::Stopped(_)) => {
+                f.write_str("the stepping process")?
+            }
             None => f.write_str("the run")?,
         }
         let place = match self.doing {
@@ -146,6 +153,11 @@ impl fmt::Display for Failure {
             }
             Cause::Hung(limit_s) => write!(f, " has been {place} for {limit_s} s,")?,
             Cause::Silent(limit_s) => write!(f, ": no sign of life from its process for {limit_s} s, {place}")?,
+            Cause::Copied => write!(f, " copied its process (fork), and both returned from {}", self.doing)?,
+            Cause::Stopped(limit_s) => {
+                let what = if self.instance.is_some() { ": its process has been" } else { " has been" };
+                write!(f, "{what} stopped (SIGSTOP) for {limit_s} s, {place},")?;
+            }
             Cause::NonFinite { variable, value } => write!(f, ": `{variable}` is {value}")?,
             Cause::Other(text) => {
                 let comma = if self.time_s.is_some() { "," } else { "" };
@@ -187,6 +199,9 @@ mod tests {
             message("plan", step, Some(12.34), Cause::Hung(10.0)),
             message("plan", Doing::Load, None, Cause::Hung(0.5)),
             message("plan", step, Some(12.34), Cause::Silent(2.0)),
+            message("plan", step, Some(12.34), Cause::Copied),
+            message("plan", step, Some(12.34), Cause::Stopped(1.0)),
+            message("", Doing::BetweenCalls, Some(12.34), Cause::Stopped(1.0)),
             message(
                 "quad",
                 Doing::Call(Call::GetReal),

@@ -2,6 +2,7 @@
 //!
 //! Next on the walk of a number: `fmus/<unit>/src/lib.rs`, behind the function pointers.
 
+mod after_call;
 mod lifecycle;
 mod states;
 mod strings;
@@ -11,8 +12,10 @@ pub use lifecycle::Setting;
 use super::board::{Note, Now};
 use super::handles::Handles;
 use super::library::{DoStep, Functions, Get, Library, Set, StateFunctions};
-use super::logger::{LogMessage, LogSink, Registration};
+use super::logger::Registration;
 use crate::failure::{Cause, Doing, Failure};
+use crate::process_state::{fatal_if_unwound, floating_point, needs_look};
+use after_call::Warnings;
 use fmi2::c::{
     Boolean, CallbackFunctions, Component, FALSE, LAST_SUCCESSFUL_TIME, RawStatus, Status, TERMINATED, TRUE,
 };
@@ -58,7 +61,7 @@ struct Rest {
     /// Boxed, because many units keep the address of this struct.
     _callbacks: Box<CallbackFunctions>,
     _registration: Registration,
-    status_log: StatusLog,
+    warnings: Warnings,
     strings: Strings,
 }
 
@@ -66,23 +69,17 @@ struct Rest {
 // ensures; the raw pointers inside are used in these calls only.
 unsafe impl Send for Instance {}
 
-/// Logs a warning that a unit reports by its return status only.
-struct StatusLog {
-    sink: LogSink,
-    warned: bool,
-}
-
-impl std::fmt::Debug for StatusLog {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("StatusLog").field("warned", &self.warned).finish_non_exhaustive()
-    }
-}
-
 impl Instance {
     /// The name in the script.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.rest.name
+    }
+
+    /// Whether an instance of this library returned `fmi2Fatal`: no function of it may be called any more.
+    #[must_use]
+    pub fn is_dead(&self) -> bool {
+        self.rest.library.is_dead()
     }
 
     /// The unit's functions, for benchmarks that measure the cost of the bare calls.
@@ -228,6 +225,9 @@ impl Instance {
             // restored.
             unsafe { do_step(component, now.time_s, step_s, TRUE) }
         });
+        if floating_point::has_changed() {
+            self.changed_by_step(now);
+        }
         if status == Status::Ok as RawStatus { Ok(StepResult::Done) } else { self.after_step(now, step_s, status) }
     }
 
@@ -302,9 +302,20 @@ impl Instance {
 
     /// A call that is noted on the board, with its status unchecked.
     #[inline]
-    fn raw(&self, now: &Now<'_>, call: Call, foreign: impl FnOnce(&Functions, Component) -> RawStatus) -> RawStatus {
-        now.enter(self.index, Doing::Call(call));
-        foreign(&self.rest.functions, self.component)
+    fn raw(
+        &mut self,
+        now: &Now<'_>,
+        call: Call,
+        foreign: impl FnOnce(&Functions, Component) -> RawStatus,
+    ) -> RawStatus {
+        let doing = Doing::Call(call);
+        now.enter(self.index, doing);
+        let Rest { functions, warnings, .. } = &*self.rest;
+        let status = fatal_if_unwound(|| warnings.unwound(now, doing), || foreign(functions, self.component));
+        if needs_look() {
+            self.look_after(now, doing);
+        }
+        status
     }
 
     /// Checks a status other than `fmi2OK`.
@@ -313,7 +324,7 @@ impl Instance {
         match Status::from_raw(status) {
             Some(Status::Ok) => return Ok(()),
             Some(Status::Warning) => {
-                self.warn(now, call);
+                self.rest.warnings.status(now, call);
                 return Ok(());
             }
             // Release: a thread that sees the flag also sees all that this call did.
@@ -323,19 +334,9 @@ impl Instance {
         Err(self.failure(now, call, Cause::Status(status)))
     }
 
-    /// Logs that a call returned a warning, once for each instance: the reason is in the unit's own log messages, if
-    /// any.
-    fn warn(&mut self, now: &Now<'_>, call: Call) {
-        if !std::mem::replace(&mut self.rest.status_log.warned, true) {
-            self.log_warning(now, format!("{} returned fmi2Warning (told once; the run goes on)", call.name()));
-        }
-    }
-
     /// Logs a warning about this instance beside its own messages.
     pub fn log_warning(&self, now: &Now<'_>, text: String) {
-        let (status, category) = (Status::Warning as RawStatus, "logStatusWarning".to_owned());
-        let (instance, tick, counts_at) = (Some(self.index), now.tick, now.counts_at);
-        (self.rest.status_log.sink)(LogMessage { instance, tick, counts_at, status, category, text });
+        self.rest.warnings.warn((now.tick, now.counts_at), text);
     }
 
     fn failure(&self, now: &Now<'_>, call: Call, cause: Cause) -> Failure {

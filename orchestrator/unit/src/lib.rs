@@ -17,5 +17,6 @@ pub mod instance;
 pub mod library;
 pub mod logger;
 pub mod process;
+pub mod process_state;
 pub mod time;
 mod variable_names;

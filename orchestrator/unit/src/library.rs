@@ -1,11 +1,11 @@
 //! A unit's shared library, loaded once for all of its instances.
 
+mod conflicts;
 mod functions;
-mod process_state;
 mod states;
 
+pub use conflicts::Conflict;
 pub use functions::{DoStep, Functions, Get, Set};
-pub(super) use process_state::preserved;
 pub(super) use states::StateFunctions;
 
 use super::board::Note;
@@ -13,6 +13,7 @@ use super::error::{Refusal, UnitError};
 use super::handles::HandleTable;
 use super::variable_names::VariableNames;
 use crate::failure::Doing;
+use crate::process_state::{Changes, fatal_if_unwound, is_copy, notice_copies, preserved};
 use fmi2::c::Str;
 use fmi2::calls::Call;
 use fmi2::description::ModelDescription;
@@ -22,7 +23,7 @@ use std::ffi::{CStr, CString};
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Once};
+use std::sync::{Arc, Mutex, Once, PoisonError};
 
 /// A loaded unit. It stays loaded until the process ends: a unit may leave threads and exit handlers behind, and they
 /// would crash if their code were unmapped.
@@ -42,6 +43,9 @@ pub struct Library {
     pub(super) instances: AtomicUsize,
     /// Set by `fmi2Fatal`: no function may be called any more.
     pub(super) fatal: AtomicBool,
+    /// What its loading changed in the process, until that is reported.
+    changes: Mutex<Changes>,
+    conflicts: Vec<Conflict>,
 }
 
 impl Library {
@@ -63,21 +67,27 @@ impl Library {
         })?;
         let path = folder.join(library_among(present_libraries(&folder), description)?);
         load_libm_globally();
+        notice_copies();
+        conflicts::note_program();
         let now = note.at(0, 0.0);
         now.enter(instance, Doing::Load);
-        let opened = preserved(|| {
+        let open = || {
             // RTLD_NOW: a missing symbol is an error here, not a crash at its first use in the middle of a run.
             // RTLD_LOCAL: all units export the same symbols, and none may bind to those of another.
             // SAFETY: the library's constructors are foreign code, which no check of ours makes sound. `lockstep run`
             // therefore runs units in a process that another one watches.
             unsafe { loader::Library::open(Some(&path), loader::RTLD_NOW | loader::RTLD_LOCAL) }
-        });
+        };
+        let (opened, changes) = fatal_if_unwound(|| (), || preserved(open));
+        if is_copy() {
+            note.end_copy(now.tick, instance, Doing::Load);
+        }
         drop(now);
         let opened = opened.map_err(|error| refusal(&path, &error))?;
         let functions = Functions::of(&opened, &path)?;
         let states = StateFunctions::of(&opened);
         // Never closed: see the comment of `Library`.
-        std::mem::forget(opened);
+        let conflicts = conflicts::conflicts_of(opened.into_raw(), &folder);
         check_version(&functions, &path, note, instance)?;
         Ok(Self {
             functions,
@@ -92,6 +102,8 @@ impl Library {
             handles: HandleTable(description.variables.iter().map(|variable| variable.value_reference).collect()),
             instances: AtomicUsize::new(0),
             fatal: AtomicBool::new(false),
+            changes: Mutex::new(changes),
+            conflicts,
         })
     }
 
@@ -99,6 +111,18 @@ impl Library {
     #[must_use]
     pub fn functions(&self) -> &Functions {
         &self.functions
+    }
+
+    /// Passes on what its loading changed in the process, once.
+    pub(super) fn report_changes(&self, report: impl FnOnce(Doing, Changes)) {
+        let changes = std::mem::take(&mut *self.changes.lock().unwrap_or_else(PoisonError::into_inner));
+        report(Doing::Load, changes);
+    }
+
+    /// The libraries that it does not get as it would in a process of its own.
+    #[must_use]
+    pub fn conflicts(&self) -> &[Conflict] {
+        &self.conflicts
     }
 
     /// Whether an instance returned `fmi2Fatal`. The standard forbids any call after that, of other instances too.

@@ -41,6 +41,13 @@ pub struct LogMessage {
 }
 
 impl LogMessage {
+    /// A warning of Lockstep's own about an instance.
+    #[must_use]
+    pub fn warning(instance: usize, (tick, counts_at): (u64, u64), text: String) -> Self {
+        let (status, category) = (Status::Warning as RawStatus, "logStatusWarning".to_owned());
+        Self { instance: Some(instance), tick, counts_at, status, category, text }
+    }
+
     /// The status as it is shown to users.
     #[must_use]
     pub fn status_name(&self) -> String {

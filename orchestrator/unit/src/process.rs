@@ -5,6 +5,7 @@ use std::ffi::{CString, c_int};
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 use std::{fs, io, ptr};
 
 /// Whether this process adopts orphans; until then it has no processes but those that it started and waits for.
@@ -45,6 +46,18 @@ pub fn is_ignored(signal: c_int) -> bool {
     let mut action: libc::sigaction = unsafe { std::mem::zeroed() };
     // SAFETY: without a new action the call writes the present one to `action`, and changes nothing.
     unsafe { libc::sigaction(signal, ptr::null(), &raw mut action) == 0 && action.sa_sigaction == libc::SIG_IGN }
+}
+
+/// How long a process of a run may be stopped: shorter than it may be without a sign of life, as there is no doubt about it.
+pub const LONGEST_STOP: Duration = Duration::from_secs(1);
+
+/// Whether a process of this user is stopped, by a signal or by a debugger. False where the system does not tell.
+#[must_use]
+pub fn is_stopped(process: u32) -> bool {
+    let status = fs::read_to_string(format!("/proc/{process}/stat"));
+    // The second field is the name in parentheses, which may contain any character; the third is the state.
+    let state = status.ok().and_then(|status| status.rsplit_once(')')?.1.trim_start().chars().next());
+    matches!(state, Some('T' | 't'))
 }
 
 /// Makes this process the parent of each process below it whose own parent ends, so that [`Descendants`] finds it.
@@ -146,4 +159,33 @@ fn children() -> Vec<libc::pid_t> {
         (parent.parse() == Ok(own)).then_some(id)
     };
     fs::read_dir("/proc").into_iter().flatten().flatten().filter_map(|entry| child(&entry.path())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::process::Command;
+    use std::thread::sleep;
+
+    #[test]
+    fn a_process_is_stopped_from_its_signal_until_it_continues() {
+        let mut child = Command::new("sleep").arg("60").spawn().unwrap();
+        let id = child.id();
+        let signal = |name: &str| Command::new("kill").args([name, &id.to_string()]).status().unwrap();
+        let becomes = |state| {
+            (0..1000).any(|_| {
+                is_stopped(id) == state || {
+                    sleep(Duration::from_millis(5));
+                    false
+                }
+            })
+        };
+        assert!(!is_stopped(id));
+        signal("-STOP");
+        assert!(becomes(true));
+        signal("-CONT");
+        assert!(becomes(false));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
 }

@@ -69,6 +69,11 @@ impl Stepping for Isolated {
         process::reap_adopted(|process| self.processes.contain(process));
     }
 
+    fn is_stopped(&self) -> bool {
+        // The step loop is a thread of this process, and the coordinator watches the workers.
+        false
+    }
+
     fn kill(&mut self) {
         self.processes.kill_all();
     }

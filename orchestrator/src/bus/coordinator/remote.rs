@@ -193,8 +193,9 @@ impl<'a> Remote<'a> {
     /// The loss of this worker: assigned to the instance whose call stands on its board, else to its first instance.
     fn lost(&self, tick: u64, cause: Cause) -> Lost {
         let first = self.ports.first().map_or(0, |&(index, _)| index);
-        let call =
-            self.handle.board.note(0).read().filter(|call| self.ports.iter().any(|(index, _)| *index == call.instance));
+        let note = self.handle.board.note(0);
+        let call = note.copied().or_else(|| note.read());
+        let call = call.filter(|call| self.ports.iter().any(|(index, _)| *index == call.instance));
         let mut failure = failure(call, tick, &self.spec.scenario, cause);
         let instance = call.map_or(first, |call| call.instance);
         let name = self.spec.scenario.instances.get(instance).map(|instance| instance.name.clone());

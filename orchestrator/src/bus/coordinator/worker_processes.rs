@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{available_parallelism, sleep};
 use std::time::{Duration, Instant};
+use unit::process::is_stopped;
 
 /// The subcommand that a worker is started with.
 pub const SUBCOMMAND: &str = "worker";
@@ -96,6 +97,12 @@ impl WorkerProcesses {
             }
             sleep(CHECK_PERIOD);
         }
+    }
+
+    /// Whether a worker is stopped (`SIGSTOP`).
+    #[must_use]
+    pub fn is_stopped(&self, number: usize) -> bool {
+        is_stopped(self.child(number).id())
     }
 
     /// Kills a worker.

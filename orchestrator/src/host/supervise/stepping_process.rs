@@ -59,6 +59,10 @@ impl Stepping for SteppingProcess {
         process::reap_adopted(|process| process == self.child.id());
     }
 
+    fn is_stopped(&self) -> bool {
+        process::is_stopped(self.child.id())
+    }
+
     fn kill(&mut self) {
         // It may have ended already, which `ended` reports.
         let _ = self.child.kill();

@@ -32,6 +32,9 @@ pub trait Stepping {
     /// Waits for the programs which its units started, whose parents have ended and which have ended themselves.
     fn reap_adopted(&self);
 
+    /// Whether it is a process that was stopped (`SIGSTOP`) and not continued.
+    fn is_stopped(&self) -> bool;
+
     /// Ends it at once; [`Stepping::ended`] tells when that has happened.
     fn kill(&mut self);
 }

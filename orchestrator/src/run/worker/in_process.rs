@@ -11,6 +11,7 @@ use unit::board::{Note, Now};
 use unit::failure::Failure;
 use unit::handles::Handles;
 use unit::instance::{Instance, StepResult};
+use unit::process_state::{Changes, compare_each_step, restored_floating_point};
 use unit::time::seconds;
 
 /// An instance in initialization mode, with its index in the scenario.
@@ -35,6 +36,8 @@ pub struct InProcess {
     groups: Vec<GroupSteps>,
     /// The start values by the index of their instance, until initialization ends.
     start_values: BTreeMap<usize, StartValues>,
+    /// Whether a step was ordered.
+    steps: bool,
 }
 
 #[derive(Debug)]
@@ -109,7 +112,7 @@ impl InProcess {
             GroupSteps { held: first..held.len(), every: group.every, step_s, lost: None, terminated: Vec::new() }
         };
         let groups = groups.iter().map(&mut group).collect();
-        Self { note, step_ns, held, groups, start_values }
+        Self { note, step_ns, held, groups, start_values, steps: false }
     }
 }
 
@@ -156,6 +159,9 @@ impl Worker for InProcess {
     }
 
     fn order(&mut self, order: &Order<'_>) -> Result<Ticket, Lost> {
+        if !std::mem::replace(&mut self.steps, true) {
+            compare_each_step();
+        }
         let group = &mut self.groups[order.group];
         let due_tick = order.tick.saturating_add(group.every);
         let now = self.note.counting_at(order.tick, seconds(order.tick, self.step_ns), due_tick);
@@ -165,6 +171,8 @@ impl Worker for InProcess {
                 Ok(StepResult::Terminated { last_successful_time_s }) => {
                     group.terminated.push(Terminated { instance: held.index, last_successful_time_s });
                 }
+                // No other instance of its library may be called until the reply is due.
+                Err(failure) if held.instance.is_dead() => return Err(held.lose(failure)),
                 Err(failure) => {
                     // The reply of the group is an error now, so the results of later instances would be dropped.
                     group.lost = Some(held.lose(failure));
@@ -183,6 +191,10 @@ impl Worker for InProcess {
         }
         for held in &mut self.held[group.held.clone()] {
             held.get(&now, outputs).map_err(|failure| held.lose(failure))?;
+        }
+        let changes = restored_floating_point();
+        if changes != Changes::NONE {
+            read_again(&mut self.held[group.held.clone()], &now, outputs, changes)?;
         }
         Ok(Reply { terminated: std::mem::take(&mut group.terminated) })
     }
@@ -219,6 +231,20 @@ impl Worker for InProcess {
         }
         first
     }
+}
+
+/// Reads outputs a second time: a call that read one of them changed floating-point control, so that those after it may be
+/// wrong. Now every call is compared and named.
+#[cold]
+fn read_again(held: &mut [HeldInstance], now: &Now<'_>, outputs: &mut Values, changes: Changes) -> Result<(), Lost> {
+    for held in &mut *held {
+        held.get(now, outputs).map_err(|failure| held.lose(failure))?;
+    }
+    let told = held.iter().any(|held| held.instance.told_floating_point());
+    if let Some(first) = held.first_mut().filter(|_| !told) {
+        first.instance.changed_by_reading(now, changes);
+    }
+    Ok(())
 }
 
 impl Calls {

@@ -5,6 +5,7 @@
 //! of the first.
 
 use super::mapping::Mapping;
+use crate::exit;
 use crate::failure::Doing;
 use fmi2::calls::Call;
 use std::fmt;
@@ -20,6 +21,9 @@ const COUNT_AT: usize = 1;
 /// `instance << 8 | doing`; the low byte is zero outside of calls.
 const DOING_AT: usize = 2;
 const COUNTS_AT: usize = 3;
+/// The call that returned in a copy of the process too, packed as at `DOING_AT`, and its tick.
+const COPIED_AT: usize = 4;
+const COPIED_TICK_AT: usize = 5;
 
 const OUTSIDE: u64 = 0;
 /// The code of [`Doing::Load`]; calls have their own numbers.
@@ -87,11 +91,30 @@ impl Note {
     /// If the thread continues meanwhile, tick and count may already be those of a later batch.
     #[must_use]
     pub fn read(&self) -> Option<InCall> {
-        let words = self.words();
         // Pairs with the release in `Now::enter`: tick and count are those of this call or later ones, never earlier.
-        let packed = words[DOING_AT].load(Ordering::Acquire);
+        self.call_at(DOING_AT, TICK_AT)
+    }
+
+    /// The call that also returned in a copy of the process (`fork`), if one did.
+    #[must_use]
+    pub fn copied(&self) -> Option<InCall> {
+        // Pairs with the release in `end_copy`.
+        self.call_at(COPIED_AT, COPIED_TICK_AT)
+    }
+
+    /// Ends this process, a copy made by a unit in which this call returned too. The note ends the run in the original.
+    pub(crate) fn end_copy(&self, tick: u64, instance: usize, doing: Doing) -> ! {
+        let words = self.words();
+        words[COPIED_TICK_AT].store(tick, Ordering::Relaxed);
+        words[COPIED_AT].store(packed(instance, doing), Ordering::Release);
+        exit::at_once(1)
+    }
+
+    fn call_at(&self, packed_at: usize, tick_at: usize) -> Option<InCall> {
+        let words = self.words();
+        let packed = words[packed_at].load(Ordering::Acquire);
         Some(InCall {
-            tick: words[TICK_AT].load(Ordering::Relaxed),
+            tick: words[tick_at].load(Ordering::Relaxed),
             instance: usize::try_from(packed >> 8).ok()?,
             doing: decode(packed & 0xff)?,
             count: words[COUNT_AT].load(Ordering::Relaxed),
@@ -130,7 +153,7 @@ impl Now<'_> {
     /// Notes that a call begins.
     #[inline]
     pub fn enter(&self, instance: usize, doing: Doing) {
-        self.words[DOING_AT].store((instance as u64) << 8 | code(doing), Ordering::Release);
+        self.words[DOING_AT].store(packed(instance, doing), Ordering::Release);
     }
 }
 
@@ -145,6 +168,11 @@ impl fmt::Debug for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_tuple("Note").field(&self.read()).field(&Arc::strong_count(&self.mapping)).finish()
     }
+}
+
+#[inline]
+fn packed(instance: usize, doing: Doing) -> u64 {
+    (instance as u64) << 8 | code(doing)
 }
 
 #[inline]

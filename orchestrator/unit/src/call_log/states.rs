@@ -31,28 +31,28 @@ impl Logged {
     }
 }
 
-unsafe extern "C" fn get(component: Component, state: *mut FmuState) -> RawStatus {
+unsafe extern "C-unwind" fn get(component: Component, state: *mut FmuState) -> RawStatus {
     // SAFETY: `Instance` calls with its own component, and the unit gets the arguments unchanged.
     unsafe {
         Logged::state_call(component, Call::GetFmuState, String::new, |unit, to| (unit.get)(to, state), String::new)
     }
 }
 
-unsafe extern "C" fn set(component: Component, state: FmuState) -> RawStatus {
+unsafe extern "C-unwind" fn set(component: Component, state: FmuState) -> RawStatus {
     // SAFETY: as in `get`.
     unsafe {
         Logged::state_call(component, Call::SetFmuState, String::new, |unit, to| (unit.set)(to, state), String::new)
     }
 }
 
-unsafe extern "C" fn free(component: Component, state: *mut FmuState) -> RawStatus {
+unsafe extern "C-unwind" fn free(component: Component, state: *mut FmuState) -> RawStatus {
     // SAFETY: as in `get`.
     unsafe {
         Logged::state_call(component, Call::FreeFmuState, String::new, |unit, to| (unit.free)(to, state), String::new)
     }
 }
 
-unsafe extern "C" fn serialized_size(component: Component, state: FmuState, size: *mut usize) -> RawStatus {
+unsafe extern "C-unwind" fn serialized_size(component: Component, state: FmuState, size: *mut usize) -> RawStatus {
     // SAFETY: as in `get`; `Instance` passes a pointer to an initialized value.
     unsafe {
         let foreign = |unit: &StateFunctions, to| (unit.serialized_size)(to, state, size);
@@ -60,7 +60,12 @@ unsafe extern "C" fn serialized_size(component: Component, state: FmuState, size
     }
 }
 
-unsafe extern "C" fn serialize(component: Component, state: FmuState, bytes: *mut c_char, size: usize) -> RawStatus {
+unsafe extern "C-unwind" fn serialize(
+    component: Component,
+    state: FmuState,
+    bytes: *mut c_char,
+    size: usize,
+) -> RawStatus {
     // SAFETY: as in `get`.
     unsafe {
         let foreign = |unit: &StateFunctions, to| (unit.serialize)(to, state, bytes, size);
@@ -68,7 +73,7 @@ unsafe extern "C" fn serialize(component: Component, state: FmuState, bytes: *mu
     }
 }
 
-unsafe extern "C" fn deserialize(
+unsafe extern "C-unwind" fn deserialize(
     component: Component,
     bytes: *const c_char,
     size: usize,

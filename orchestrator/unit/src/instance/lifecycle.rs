@@ -1,14 +1,17 @@
 //! The life of an instance, from `fmi2Instantiate` to `fmi2FreeInstance`.
 
-use super::{Instance, Rest, StatusLog, Strings};
+use super::after_call::Warnings;
+use super::{Instance, Rest, Strings};
 use crate::board::{Note, Now};
 use crate::call_log::{CallLog, CallWriter, Calls};
 use crate::failure::{Cause, Doing, Failure};
-use crate::library::{Functions, Library, preserved};
+use crate::library::{Functions, Library};
 use crate::logger::{Environment, LOGGER, LogSink, Registration};
-use fmi2::c::{Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE};
+use crate::process_state::{fatal_if_unwound, is_copy, preserved};
+use fmi2::c::{Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, RawStatus};
 use fmi2::calls::Call;
 use std::ffi::{CStr, CString};
+use std::fmt::Display;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -41,27 +44,29 @@ impl Instance {
             time_s: Some(0.0),
             cause,
         };
-        let c_name = CString::new(name)
-            .map_err(|_| failure(Cause::Other("the instance's name holds a zero character".to_owned())))?;
+        let refused = |text: &str| failure(Cause::Other(text.to_owned()));
+        let c_name = CString::new(name).map_err(|_| refused("the instance's name holds a zero character"))?;
         if library.only_once && library.instances.load(Ordering::Acquire) > 0 {
             let text = "the unit can be instantiated only once per process (canBeInstantiatedOnlyOncePerProcess)";
-            return Err(failure(Cause::Other(text.to_owned())));
+            return Err(refused(text));
         }
-        let registration = Registration::new(Environment {
-            instance: index,
-            name: name.to_owned(),
-            note: note.clone(),
-            names: Arc::clone(&library.names),
-            sink: Arc::clone(&sink),
-        });
+        let registration = register(library, index, name, &note, &sink);
         let callbacks = callbacks(&registration);
         let call_writer = calls.map(|log| CallWriter { log, note: note.clone(), names: Arc::clone(&library.names) });
         let now = note.at(0, 0.0);
-        now.enter(index, Doing::Call(Call::Instantiate));
+        let doing = Doing::Call(Call::Instantiate);
+        now.enter(index, doing);
         if let Some(call_writer) = &call_writer {
             call_writer.begin(Call::Instantiate, || format!("{name:?}, loggingOn = {logging_on}"));
         }
-        let component = call_instantiate(library, &c_name, &callbacks, logging_on);
+        let mut warnings = Warnings::new(index, sink);
+        library.report_changes(|by, changes| warnings.changed(&now, by, changes));
+        let foreign = || preserved(|| call_instantiate(library, &c_name, &callbacks, logging_on));
+        let (component, changes) = fatal_if_unwound(|| warnings.unwound(&now, doing), foreign);
+        if is_copy() {
+            note.end_copy(now.tick, index, doing);
+        }
+        warnings.changed(&now, doing, changes);
         if let Some(call_writer) = &call_writer {
             call_writer.end(|| if component.is_null() { "NULL" } else { "an instance" }.to_owned());
         }
@@ -82,7 +87,7 @@ impl Instance {
             library: Arc::clone(library),
             _callbacks: callbacks,
             _registration: registration,
-            status_log: StatusLog { sink, warned: false },
+            warnings,
             strings: Strings::default(),
         };
         Ok(Self { component, index, set_real, do_step, get_real, rest: Box::new(rest) })
@@ -93,7 +98,7 @@ impl Instance {
     /// # Errors
     /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     pub fn setup_experiment(&mut self, start: &Now<'_>) -> Result<(), Failure> {
-        self.checked(start, Call::SetupExperiment, |functions, component| {
+        self.preserving(start, Call::SetupExperiment, |functions, component| {
             // SAFETY: the component is this library's, and the other arguments are plain numbers.
             unsafe { (functions.setup_experiment)(component, FALSE, 0.0, start.time_s, FALSE, 0.0) }
         })
@@ -104,7 +109,7 @@ impl Instance {
     /// # Errors
     /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     pub fn enter_initialization_mode(&mut self, now: &Now<'_>) -> Result<(), Failure> {
-        self.checked(now, Call::EnterInitializationMode, |functions, component| {
+        self.preserving(now, Call::EnterInitializationMode, |functions, component| {
             // SAFETY: the component is this library's.
             unsafe { (functions.enter_initialization_mode)(component) }
         })
@@ -115,10 +120,32 @@ impl Instance {
     /// # Errors
     /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
     pub fn exit_initialization_mode(&mut self, now: &Now<'_>) -> Result<(), Failure> {
-        self.checked(now, Call::ExitInitializationMode, |functions, component| {
+        self.preserving(now, Call::ExitInitializationMode, |functions, component| {
             // SAFETY: the component is this library's.
             unsafe { (functions.exit_initialization_mode)(component) }
         })
+    }
+
+    /// A checked call after which locale and working directory are restored too.
+    fn preserving(
+        &mut self,
+        now: &Now<'_>,
+        call: Call,
+        foreign: impl FnOnce(&Functions, Component) -> RawStatus,
+    ) -> Result<(), Failure> {
+        self.preserving_all(now, Doing::Call(call), |instance| instance.checked(now, call, foreign))
+    }
+
+    /// The same after several calls.
+    pub(super) fn preserving_all<T>(
+        &mut self,
+        now: &Now<'_>,
+        doing: impl Display,
+        foreign: impl FnOnce(&mut Self) -> T,
+    ) -> T {
+        let (result, changes) = preserved(|| foreign(self));
+        self.rest.warnings.changed(now, doing, changes);
+        result
     }
 
     /// Terminates the instance. After `fmi2Fatal` of any instance of the library this does nothing.
@@ -129,7 +156,7 @@ impl Instance {
         if self.rest.library.is_dead() {
             return Ok(());
         }
-        self.checked(now, Call::Terminate, |functions, component| {
+        self.preserving(now, Call::Terminate, |functions, component| {
             // SAFETY: the component is this library's.
             unsafe { (functions.terminate)(component) }
         })
@@ -137,6 +164,12 @@ impl Instance {
 
     /// Frees the instance; the same as dropping it.
     pub fn free(self) {}
+}
+
+/// Makes the logger know an instance.
+fn register(library: &Library, instance: usize, name: &str, note: &Note, sink: &LogSink) -> Registration {
+    let (name, names) = (name.to_owned(), Arc::clone(&library.names));
+    Registration::new(Environment { instance, name, note: note.clone(), names, sink: Arc::clone(sink) })
 }
 
 /// The callbacks. The memory functions are those of the C library, so that a unit may release with `free` what it got
@@ -154,24 +187,29 @@ fn callbacks(registration: &Registration) -> Box<CallbackFunctions> {
 fn call_instantiate(library: &Library, name: &CStr, callbacks: &CallbackFunctions, logging_on: bool) -> Component {
     let (guid, resources) = (library.guid.as_ptr(), library.resources.as_ptr());
     let (visible, logging) = (FALSE, Boolean::from(logging_on));
-    preserved(|| {
-        // SAFETY: the strings and the callbacks outlive the call, and `Instance` keeps the callbacks as long as the
-        // component.
-        unsafe {
-            (library.functions.instantiate)(name.as_ptr(), CO_SIMULATION, guid, resources, callbacks, visible, logging)
-        }
-    })
+    // SAFETY: the strings and the callbacks outlive the call, and `Instance` keeps the callbacks as long as the component.
+    unsafe {
+        (library.functions.instantiate)(name.as_ptr(), CO_SIMULATION, guid, resources, callbacks, visible, logging)
+    }
 }
 
 impl Drop for Instance {
     fn drop(&mut self) {
+        self.rest.warnings.unrepeated();
         if self.rest.library.is_dead() {
             return;
         }
-        let now = self.rest.note.at(self.rest.note.tick(), f64::NAN);
-        now.enter(self.index, Doing::Call(Call::FreeInstance));
+        let note = self.rest.note.clone();
+        let (now, doing) = (note.at(note.tick(), f64::NAN), Doing::Call(Call::FreeInstance));
+        now.enter(self.index, doing);
+        let Rest { functions, warnings, .. } = &*self.rest;
         // SAFETY: the component is this library's, and it is not used after this call.
-        unsafe { (self.rest.functions.free_instance)(self.component) };
+        let free = || unsafe { (functions.free_instance)(self.component) };
+        let ((), changes) = fatal_if_unwound(|| warnings.unwound(&now, doing), || preserved(free));
+        if is_copy() {
+            note.end_copy(now.tick, self.index, doing);
+        }
+        self.rest.warnings.changed(&now, doing, changes);
         self.rest.library.instances.fetch_sub(1, Ordering::AcqRel);
     }
 }

@@ -17,6 +17,10 @@ impl Instance {
     /// # Errors
     /// The unit refuses, lacks a function, or returns a size above the limit.
     pub fn save(&mut self, now: &Now<'_>) -> Result<Vec<u8>, Failure> {
+        self.preserving_all(now, "the saving of its state", |instance| instance.saved(now))
+    }
+
+    fn saved(&mut self, now: &Now<'_>) -> Result<Vec<u8>, Failure> {
         let functions = self.state_functions(now)?;
         let mut state = ptr::null_mut();
         self.checked(now, Call::GetFmuState, |_, component| {
@@ -46,6 +50,10 @@ impl Instance {
     /// # Errors
     /// The unit refuses or lacks a function.
     pub fn restore(&mut self, now: &Now<'_>, bytes: &[u8]) -> Result<(), Failure> {
+        self.preserving_all(now, "the restoring of its state", |instance| instance.restored(now, bytes))
+    }
+
+    fn restored(&mut self, now: &Now<'_>, bytes: &[u8]) -> Result<(), Failure> {
         let functions = self.state_functions(now)?;
         let mut state = ptr::null_mut();
         self.checked(now, Call::DeSerializeFmuState, |_, component| {

@@ -7,15 +7,15 @@ use libloading::os::unix as loader;
 use std::path::Path;
 
 /// `fmi2GetXXX` for one base type.
-pub type Get<T> = unsafe extern "C" fn(Component, *const ValueReference, usize, *mut T) -> RawStatus;
+pub type Get<T> = unsafe extern "C-unwind" fn(Component, *const ValueReference, usize, *mut T) -> RawStatus;
 /// `fmi2SetXXX` for one base type.
-pub type Set<T> = unsafe extern "C" fn(Component, *const ValueReference, usize, *const T) -> RawStatus;
+pub type Set<T> = unsafe extern "C-unwind" fn(Component, *const ValueReference, usize, *const T) -> RawStatus;
 /// `fmi2DoStep`.
-pub type DoStep = unsafe extern "C" fn(Component, f64, f64, Boolean) -> RawStatus;
+pub type DoStep = unsafe extern "C-unwind" fn(Component, f64, f64, Boolean) -> RawStatus;
 /// A function whose only argument is the instance.
-pub type OfComponent = unsafe extern "C" fn(Component) -> RawStatus;
+pub type OfComponent = unsafe extern "C-unwind" fn(Component) -> RawStatus;
 /// A function without arguments that returns a string.
-pub type GetText = unsafe extern "C" fn() -> Str;
+pub type GetText = unsafe extern "C-unwind" fn() -> Str;
 
 /// The functions as raw pointers. A call that does not go through [`Instance`](crate::instance::Instance) is not noted
 /// on the board.
@@ -25,9 +25,9 @@ pub struct Functions {
     pub get_types_platform: GetText,
     pub get_version: GetText,
     pub instantiate:
-        unsafe extern "C" fn(Str, FmuType, Str, Str, *const CallbackFunctions, Boolean, Boolean) -> Component,
-    pub free_instance: unsafe extern "C" fn(Component),
-    pub setup_experiment: unsafe extern "C" fn(Component, Boolean, f64, f64, Boolean, f64) -> RawStatus,
+        unsafe extern "C-unwind" fn(Str, FmuType, Str, Str, *const CallbackFunctions, Boolean, Boolean) -> Component,
+    pub free_instance: unsafe extern "C-unwind" fn(Component),
+    pub setup_experiment: unsafe extern "C-unwind" fn(Component, Boolean, f64, f64, Boolean, f64) -> RawStatus,
     pub enter_initialization_mode: OfComponent,
     pub exit_initialization_mode: OfComponent,
     pub terminate: OfComponent,
@@ -41,9 +41,9 @@ pub struct Functions {
     pub set_string: Set<Str>,
     pub do_step: DoStep,
     /// Called only after a discarded step; some units do not export it.
-    pub get_real_status: Option<unsafe extern "C" fn(Component, StatusKind, *mut f64) -> RawStatus>,
+    pub get_real_status: Option<unsafe extern "C-unwind" fn(Component, StatusKind, *mut f64) -> RawStatus>,
     /// Called only after a discarded step; some units do not export it.
-    pub get_boolean_status: Option<unsafe extern "C" fn(Component, StatusKind, *mut Boolean) -> RawStatus>,
+    pub get_boolean_status: Option<unsafe extern "C-unwind" fn(Component, StatusKind, *mut Boolean) -> RawStatus>,
 }
 
 impl Functions {

@@ -9,12 +9,12 @@ use std::ffi::c_char;
 /// All of these functions; a unit declares in its description whether they may be used.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StateFunctions {
-    pub get: unsafe extern "C" fn(Component, *mut FmuState) -> RawStatus,
-    pub set: unsafe extern "C" fn(Component, FmuState) -> RawStatus,
-    pub free: unsafe extern "C" fn(Component, *mut FmuState) -> RawStatus,
-    pub serialized_size: unsafe extern "C" fn(Component, FmuState, *mut usize) -> RawStatus,
-    pub serialize: unsafe extern "C" fn(Component, FmuState, *mut c_char, usize) -> RawStatus,
-    pub deserialize: unsafe extern "C" fn(Component, *const c_char, usize, *mut FmuState) -> RawStatus,
+    pub get: unsafe extern "C-unwind" fn(Component, *mut FmuState) -> RawStatus,
+    pub set: unsafe extern "C-unwind" fn(Component, FmuState) -> RawStatus,
+    pub free: unsafe extern "C-unwind" fn(Component, *mut FmuState) -> RawStatus,
+    pub serialized_size: unsafe extern "C-unwind" fn(Component, FmuState, *mut usize) -> RawStatus,
+    pub serialize: unsafe extern "C-unwind" fn(Component, FmuState, *mut c_char, usize) -> RawStatus,
+    pub deserialize: unsafe extern "C-unwind" fn(Component, *const c_char, usize, *mut FmuState) -> RawStatus,
 }
 
 impl StateFunctions {

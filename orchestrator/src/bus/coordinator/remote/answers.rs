@@ -15,6 +15,7 @@ use std::thread::{sleep, yield_now};
 use std::time::{Duration, Instant};
 use unit::board::Board;
 use unit::failure::{Cause, Failure};
+use unit::process::LONGEST_STOP;
 
 /// The limit of one attempt to connect, and the number of attempts. Attempts are short because an attempt cannot be
 /// interrupted: between two it is checked whether the process still runs.
@@ -31,6 +32,18 @@ const CHECK_PERIOD_AT_START: Duration = Duration::from_millis(2);
 /// little later than the closed socket.
 const EXIT_AFTER_LINK_LOSS: Duration = Duration::from_secs(1);
 
+/// A process that starts: how long it takes, and how long it has been stopped.
+struct Start {
+    deadline: Watchdog<()>,
+    stopped: Watchdog<()>,
+}
+
+impl Start {
+    fn new() -> Self {
+        Self { deadline: Watchdog::new(START_DEADLINE), stopped: Watchdog::new(LONGEST_STOP) }
+    }
+}
+
 impl Remote<'_> {
     /// Connects to the process, with several attempts.
     pub(super) fn establish_link(&mut self, run: &str) -> Result<(), Failure> {
@@ -46,16 +59,24 @@ impl Remote<'_> {
                 Err(reason) => refused = reason,
             }
             self.check_process()?;
+            if self.is_stopped() {
+                return Err(self.give_up(0, Cause::Stopped(CONNECT_TIMEOUT.as_secs_f64())).failure);
+            }
         }
         Err(self.give_up(0, Cause::Other(refused)).failure)
     }
 
+    /// Whether the process is stopped. One that has no time limit may be, by a debugger.
+    fn is_stopped(&self) -> bool {
+        self.spec.options.step_timeout.is_some() && self.handle.processes.is_stopped(self.handle.address.number)
+    }
+
     /// Waits until the process has made its socket.
     fn await_socket(&mut self) -> Result<(), Failure> {
-        let mut start_deadline = Watchdog::new(START_DEADLINE);
+        let mut start = Start::new();
         let mut checked = Instant::now();
         while !is_socket(&self.handle.address.socket()) {
-            self.check_start(&mut start_deadline, checked.elapsed())?;
+            self.check_start(&mut start, checked.elapsed())?;
             checked = Instant::now();
             sleep(CHECK_PERIOD_AT_START);
         }
@@ -64,7 +85,7 @@ impl Remote<'_> {
 
     /// Waits until the process receives orders.
     fn await_ready(&mut self) -> Result<(), Failure> {
-        let mut start_deadline = Watchdog::new(START_DEADLINE);
+        let mut start = Start::new();
         loop {
             let began = Instant::now();
             match self.next_event(CHECK_PERIOD) {
@@ -72,7 +93,7 @@ impl Remote<'_> {
                 Ok(LinkEvent::Gone) | Err(RecvTimeoutError::Disconnected) => return Err(self.died(0).failure),
                 Ok(LinkEvent::Message(_)) | Err(RecvTimeoutError::Timeout) => {}
             }
-            self.check_start(&mut start_deadline, began.elapsed())?;
+            self.check_start(&mut start, began.elapsed())?;
         }
     }
 
@@ -85,10 +106,13 @@ impl Remote<'_> {
         Ok(())
     }
 
-    /// Returns a failure if the process has ended or is late, `since` after the last check.
-    fn check_start(&mut self, start_deadline: &mut Watchdog<()>, since: Duration) -> Result<(), Failure> {
+    /// Returns a failure if the process has ended, is stopped or is late, `since` after the last check.
+    fn check_start(&mut self, start: &mut Start, since: Duration) -> Result<(), Failure> {
         self.check_process()?;
-        if start_deadline.expired(since, Some(())) {
+        if start.stopped.expired(since, self.is_stopped().then_some(())) {
+            return Err(self.give_up(0, Cause::Stopped(LONGEST_STOP.as_secs_f64())).failure);
+        }
+        if start.deadline.expired(since, Some(())) {
             let text = format!("its worker did not come up within {} s", START_DEADLINE.as_secs());
             return Err(self.give_up(0, Cause::Other(text)).failure);
         }
@@ -201,6 +225,9 @@ impl Remote<'_> {
         loop {
             let began = Instant::now();
             match self.next_event(CHECK_PERIOD) {
+                Ok(LinkEvent::Message(_)) if self.handle.board.note(0).copied().is_some() => {
+                    return Err(self.give_up(order.tick, Cause::Copied));
+                }
                 Ok(LinkEvent::Message(message)) => {
                     self.count_reply();
                     match sequence_of(&message) {

@@ -1,0 +1,133 @@
+//! What is looked at after a call besides its status: whether it changed its process, and whether it returned twice.
+
+use super::Instance;
+use crate::board::Now;
+use crate::failure::Doing;
+use crate::logger::{LogMessage, LogSink};
+use crate::process_state::{Changes, is_copy, restored_floating_point};
+use fmi2::c::{RawStatus, Status};
+use fmi2::calls::Call;
+use std::fmt::Display;
+
+/// Reports what a unit does wrong although its calls succeed, each kind once.
+pub(super) struct Warnings {
+    pub index: usize,
+    pub sink: LogSink,
+    /// Whether a call has returned `fmi2Warning`.
+    pub status: bool,
+    /// The changes of its process that were reported.
+    pub changes: Changes,
+    /// A change that was found after a step and is not reported yet.
+    pub unnamed: Option<Unnamed>,
+}
+
+/// A change by a step or by a call that set values for it; the next call that changes something names it.
+#[derive(Debug)]
+pub(super) struct Unnamed {
+    tick: u64,
+    counts_at: u64,
+    changes: Changes,
+}
+
+impl std::fmt::Debug for Warnings {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { status, changes, unnamed, .. } = self;
+        f.debug_struct("Warnings").field("status", status).field("changes", changes).field("unnamed", unnamed).finish()
+    }
+}
+
+impl Warnings {
+    pub fn new(index: usize, sink: LogSink) -> Self {
+        Self { index, sink, status: false, changes: Changes::NONE, unnamed: None }
+    }
+
+    /// Logs a warning.
+    pub fn warn(&self, when: (u64, u64), text: String) {
+        (self.sink)(LogMessage::warning(self.index, when, text));
+    }
+
+    /// A call returned a warning: the reason is in the unit's own log messages, if any.
+    pub fn status(&mut self, now: &Now<'_>, call: Call) {
+        if !std::mem::replace(&mut self.status, true) {
+            let text = format!("{} returned fmi2Warning (told once; the run goes on)", call.name());
+            self.warn((now.tick, now.counts_at), text);
+        }
+    }
+
+    /// An exception or the end of the thread leaves a call, and the process ends.
+    pub fn unwound(&self, now: &Now<'_>, doing: Doing) {
+        let text = format!("an exception or the end of its thread (pthread_exit) left {doing}, so its process ends");
+        let warning = LogMessage::warning(self.index, (now.tick, now.counts_at), text);
+        (self.sink)(LogMessage { status: Status::Error as RawStatus, ..warning });
+    }
+
+    /// Something changed the process and was restored. All of floating-point control counts as one kind.
+    pub fn changed(&mut self, now: &Now<'_>, by: impl Display, changes: Changes) {
+        self.changed_at((now.tick, now.counts_at), by, changes);
+    }
+
+    fn changed_at(&mut self, when: (u64, u64), by: impl Display, changes: Changes) {
+        let mut changes = changes.without(self.changes);
+        if self.told_floating_point() {
+            changes = changes.without(Changes::FLOATING_POINT);
+        }
+        if changes != Changes::NONE {
+            self.changes |= changes;
+            self.warn(when, format!("{by} changed {changes} of its process: restored (told once)"));
+        }
+    }
+
+    /// Reports a change of floating-point control: the earlier one that has no name yet, or this one.
+    fn floating_point(&mut self, now: &Now<'_>, doing: Doing, changes: Changes) {
+        let unnamed = Unnamed { tick: now.tick, counts_at: now.counts_at, changes };
+        let Unnamed { tick, counts_at, changes } = self.unnamed.take().unwrap_or(unnamed);
+        self.changed_at((tick, counts_at), doing, changes);
+    }
+
+    /// Whether a change of floating-point control was reported.
+    pub fn told_floating_point(&self) -> bool {
+        self.changes.meets(Changes::FLOATING_POINT)
+    }
+
+    /// Reports an earlier change that no later call has repeated.
+    pub fn unrepeated(&mut self) {
+        if let Some(Unnamed { tick, counts_at, changes }) = self.unnamed.take() {
+            self.changed_at((tick, counts_at), "fmi2DoStep or the setting of values before it", changes);
+        }
+    }
+}
+
+impl Instance {
+    /// Every call is compared, or this is a copy of the process.
+    #[cold]
+    pub(super) fn look_after(&mut self, now: &Now<'_>, doing: Doing) {
+        if is_copy() {
+            self.rest.note.end_copy(now.tick, self.index, doing);
+        }
+        let changes = restored_floating_point();
+        if changes != Changes::NONE {
+            self.rest.warnings.floating_point(now, doing, changes);
+        } else if doing == Doing::Call(Call::DoStep) {
+            self.rest.warnings.unrepeated();
+        }
+    }
+
+    /// A step, or a call that set values for it, has changed floating-point control. From now on every call is compared,
+    /// so that the next change is that of a known call.
+    #[cold]
+    pub(super) fn changed_by_step(&mut self, now: &Now<'_>) {
+        let changes = restored_floating_point();
+        self.rest.warnings.unnamed = Some(Unnamed { tick: now.tick, counts_at: now.counts_at, changes });
+    }
+
+    /// Whether a change of floating-point control by this instance was reported.
+    #[must_use]
+    pub fn told_floating_point(&self) -> bool {
+        self.rest.warnings.told_floating_point()
+    }
+
+    /// Reports a change of floating-point control while outputs of this instance and of later ones were read.
+    pub fn changed_by_reading(&mut self, now: &Now<'_>, changes: Changes) {
+        self.rest.warnings.changed(now, "the reading of outputs, of this or a later instance,", changes);
+    }
+}

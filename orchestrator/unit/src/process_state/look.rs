@@ -1,0 +1,52 @@
+//! What has to be looked at after every call: one word, so that a call usually costs one load more.
+
+use std::sync::Once;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// Floating-point control is compared after every call, not only after each step.
+const EACH_CALL: u8 = 1;
+/// This process is a copy (`fork`) of one that has loaded units.
+const COPY: u8 = 2;
+/// A call has changed floating-point control before.
+const CHANGED: u8 = 4;
+
+/// Until the first step every call is compared.
+static LOOK: AtomicU8 = AtomicU8::new(EACH_CALL);
+
+/// Whether something has to be looked at after a call.
+#[inline]
+pub(crate) fn needs_look() -> bool {
+    LOOK.load(Ordering::Relaxed) & (EACH_CALL | COPY) != 0
+}
+
+/// Whether this process is a copy, in which a call has returned a second time.
+pub(crate) fn is_copy() -> bool {
+    LOOK.load(Ordering::Relaxed) & COPY != 0
+}
+
+/// A call has changed floating-point control: from now on every call is compared.
+pub(crate) fn compare_each_call() {
+    LOOK.fetch_or(EACH_CALL | CHANGED, Ordering::Relaxed);
+}
+
+/// The first step is next: unless a call has changed floating-point control before, it is compared after each step only.
+pub fn compare_each_step() {
+    if LOOK.load(Ordering::Relaxed) & CHANGED == 0 {
+        LOOK.fetch_and(!EACH_CALL, Ordering::Relaxed);
+    }
+}
+
+extern "C" fn in_copy() {
+    LOOK.fetch_or(COPY, Ordering::Relaxed);
+}
+
+/// Notices from now on that a unit copies its process. A copy that starts a program, as that of `system` does, never
+/// returns to a caller.
+pub(crate) fn notice_copies() {
+    static REGISTERED: Once = Once::new();
+    REGISTERED.call_once(|| {
+        // SAFETY: the handler only changes an atomic, and code of this program is never unloaded. If there is no memory for the
+        // handler, copies are not noticed here.
+        unsafe { libc::pthread_atfork(None, None, Some(in_copy)) };
+    });
+}
