@@ -1,5 +1,6 @@
 //! What is wrong with a script: a value with place, cause and fix, and its picture.
 
+use fmi2::printable;
 use std::ops::Range;
 
 use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Renderer, Snippet};
@@ -104,7 +105,9 @@ pub fn render(sources: &Sources, diagnostics: &[Diagnostic], colour: bool) -> St
         *left = left.saturating_sub(1);
         is_shown
     });
-    let shown = in_order.into_iter().map(|diagnostic| renderer.render(&[picture(sources, diagnostic)]) + "\n\n");
+    let shown = in_order
+        .into_iter()
+        .map(|diagnostic| printable::styled_lines(&renderer.render(&[picture(sources, diagnostic)])) + "\n\n");
     shown.chain(not_shown(errors - shown_errors, warnings - shown_warnings)).collect()
 }
 
@@ -146,9 +149,9 @@ fn picture<'a>(sources: &'a Sources, diagnostic: &'a Diagnostic) -> Group<'a> {
         }
     }
     let excerpts = texts.into_iter().map(|text| excerpt(sources, &diagnostic.labels, text));
-    let group = level.primary_title(diagnostic.message.as_str()).id(diagnostic.code).elements(excerpts);
+    let group = level.primary_title(printable::lines(&diagnostic.message)).id(diagnostic.code).elements(excerpts);
     match &diagnostic.help {
-        Some(help) => group.element(Level::HELP.message(help.as_str())),
+        Some(help) => group.element(Level::HELP.message(printable::lines(help))),
         None => group,
     }
 }
@@ -166,10 +169,10 @@ fn excerpt<'a>(sources: &'a Sources, labels: &'a [Label], text: u32) -> Snippet<
         let kind = if index == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
         let range = bytes(source, label.span);
         let annotation = kind.span(range.start - start..range.end - start);
-        if label.text.is_empty() { annotation } else { annotation.label(label.text.as_str()) }
+        if label.text.is_empty() { annotation } else { annotation.label(printable::line(&label.text)) }
     });
     let name = sources.name(text);
-    Snippet::source(&source[start..end]).line_start(first_line).path(name).annotations(annotations)
+    Snippet::source(&source[start..end]).line_start(first_line).path(printable::line(name)).annotations(annotations)
 }
 
 /// The bytes of a span, within the text and between characters.
@@ -253,6 +256,20 @@ mod tests {
         for span in [at(text, 1, 1), at(text, 5, 9), at(text, 2, 1), at(text, 0, u32::MAX)] {
             assert!(render(&sources, &[Diagnostic::error("E00", span, "here")], false).contains("a.scn:1:"));
         }
+    }
+
+    #[test]
+    fn nothing_that_a_script_holds_commands_the_terminal() {
+        let mut sources = Sources::default();
+        let text = sources.add("a\nerror: \u{1b}[2J.scn", "step \u{1b}[31m \u{9b}31m \u{202e} ü");
+        let span = at(text, 0, 4);
+        let odd = Diagnostic::error("E00", span, "a\u{1b}[2J\u{9b}\nb").saying("c\r\u{1b}").help("d\u{1b}\ne\u{7}");
+        let commands =
+            |text: &str| text.contains(|c: char| c != '\n' && printable::line(&c.to_string()) != c.to_string());
+        let plain = render(&sources, std::slice::from_ref(&odd), false);
+        assert!(!commands(&plain) && plain.lines().filter(|line| line.starts_with("error")).count() == 1, "{plain}");
+        let styled = render(&sources, &[odd], true);
+        assert!(!styled.contains("\u{1b}[2J") && !styled.contains("\u{1b}[31m \u{fffd}"), "{styled}");
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! - [`calls`]: which call is allowed in which state, as one table.
 //! - [`description`]: `modelDescription.xml` as a data structure, with a reader, a writer and a checker.
 //! - [`platform`]: the folders of an archive with the libraries of this platform.
+//! - [`printable`]: names, paths and messages from outside, safe to print.
 //! - [`units`]: units of measure as exponents of the SI base units, factor and offset.
 //!
 //! Next on the path of a value: `dsl/src/resolve`, which looks names up in the [`description`].
@@ -13,4 +14,5 @@ pub mod c;
 pub mod calls;
 pub mod description;
 pub mod platform;
+pub mod printable;
 pub mod units;

@@ -1,5 +1,6 @@
 //! Why a unit could not be packed.
 
+use fmi2::printable;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -60,8 +61,10 @@ pub enum PackError {
 impl fmt::Display for PackError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::File { path, doing, source } => write!(f, "cannot {doing} {}: {source}", path.display()),
-            Self::NoUnit { manifest, reason } => write!(f, "{} is not a unit crate: {reason}", manifest.display()),
+            Self::File { path, doing, source } => write!(f, "cannot {doing} {}: {source}", printable::path(path)),
+            Self::NoUnit { manifest, reason } => {
+                write!(f, "{} is not a unit crate: {reason}", printable::path(manifest))
+            }
             Self::NoCargo(source) => write!(f, "cannot start cargo, which builds units: {source}"),
             Self::Build { unit } => write!(f, "unit `{unit}` does not build; cargo says why above"),
             Self::NoLibrary { unit } => {

@@ -23,6 +23,7 @@ pub mod sink;
 pub mod table;
 pub mod verdict;
 
+use fmi2::printable;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -66,9 +67,9 @@ impl TraceError {
 impl fmt::Display for TraceError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Locked(path) => write!(f, "another run is writing into {}", path.display()),
-            Self::Foreign(path) => write!(f, "{} is not empty and holds no run.json of ours", path.display()),
-            Self::Io { doing, path, error } => write!(f, "cannot {doing} {}: {error}", path.display()),
+            Self::Locked(path) => write!(f, "another run is writing into {}", printable::path(path)),
+            Self::Foreign(path) => write!(f, "{} is not empty and holds no run.json of ours", printable::path(path)),
+            Self::Io { doing, path, error } => write!(f, "cannot {doing} {}: {error}", printable::path(path)),
         }
     }
 }

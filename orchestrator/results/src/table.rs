@@ -9,6 +9,7 @@ mod parquet;
 mod sheet;
 
 use crate::run_folder::SIGNALS_JSON;
+use fmi2::printable;
 use serde::Deserialize;
 use sheet::{Sheet, Wrong};
 use std::collections::BTreeMap;
@@ -71,12 +72,12 @@ impl TableError {
     }
 
     fn unreadable(path: &Path, reason: impl fmt::Display) -> Self {
-        Self::new(format!("cannot read {}: {reason}", path.display()))
+        Self::new(format!("cannot read {}: {reason}", printable::path(path)))
     }
 
     fn placed(path: &Path, sheet: &Sheet, wrong: Wrong) -> Self {
         let (line, column) = sheet.place(wrong.at);
-        Self { message: format!("{}:{line}:{column}: {}", path.display(), wrong.message), help: wrong.help }
+        Self { message: format!("{}:{line}:{column}: {}", printable::path(path), wrong.message), help: wrong.help }
     }
 
     /// Adds what the user can do about it.
@@ -143,7 +144,7 @@ fn column(heading: &Heading, note: Option<&ColumnNote>) -> Column {
         _ => (heading.text.clone(), note.and_then(|note| note.unit.clone())),
     };
     let is_discrete = note.is_some_and(|note| note.kind != "Real");
-    Column { name, unit, is_discrete, values: Vec::new() }
+    Column { name: printable::line(&name), unit, is_discrete, values: Vec::new() }
 }
 
 impl Column {

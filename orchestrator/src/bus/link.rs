@@ -19,6 +19,7 @@ mod run_name;
 pub use reasons::without_source_places;
 pub use run_name::run_name;
 
+use fmi2::printable;
 use pieces::{Joiner, cut};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -169,8 +170,8 @@ impl LinkListener {
     /// The socket cannot be made.
     pub fn bind(socket: &Path) -> Result<Self, String> {
         let listen = format!("listen: {{ endpoints: [{}], exit_on_failure: true }}", endpoint(socket)?);
-        let session =
-            open("peer", &listen).map_err(|reason| format!("cannot listen on {}: {reason}", socket.display()))?;
+        let session = open("peer", &listen)
+            .map_err(|reason| format!("cannot listen on {}: {reason}", printable::path(socket)))?;
         let (sender, orders) = channel();
         let receive = joined(move |sample, message| {
             let _ = sender.send((sample.key_expr().to_string(), message));
@@ -179,7 +180,7 @@ impl LinkListener {
         let token = session.liveliness().declare_token(READY_KEY).wait().ok();
         match (subscription, token) {
             (Some(subscription), Some(token)) => Ok(Self { session, subscription, _token: token, orders }),
-            _ => Err(format!("cannot listen on {}", socket.display())),
+            _ => Err(format!("cannot listen on {}", printable::path(socket))),
         }
     }
 
@@ -291,7 +292,10 @@ pub fn endpoint(socket: &Path) -> Result<String, String> {
     let path = socket.to_str().filter(|path| path.len() <= LONGEST && !path.contains(['?', '#', ';', '=', '"', '\\']));
     let path = path.filter(|path| !path.contains(char::is_control));
     let path = path.ok_or_else(|| {
-        format!("{socket:?} cannot be the name of a socket; set TMPDIR to a folder with a short, plain name")
+        format!(
+            "{} cannot be the name of a socket; set TMPDIR to a folder with a short, plain name",
+            printable::path(socket)
+        )
     })?;
     Ok(format!("\"unixsock-stream/{path}\""))
 }

@@ -9,9 +9,10 @@ use crate::find::script::Script;
 use dsl::diagnostic::Severity;
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;
+use fmi2::printable;
 use results::report;
+use results::report::console::has_colour;
 use std::ffi::OsStr;
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 /// Checks scripts and .fmu files and runs nothing.
@@ -66,6 +67,7 @@ impl Check {
             match self.one(file, &mut catalogue) {
                 Ok(checked) => {
                     all_well &= checked.is_well(self.strict);
+                    report::rendered_result(&checked.findings);
                     report::result(&self.text(file, &checked));
                 }
                 Err(message) => {
@@ -86,8 +88,8 @@ impl Check {
             None => catalogue.insert(self.catalogue()?),
         };
         let script = Script::read(file, &self.set, catalogue, self.isolate)
-            .map_err(|error| format!("cannot read {}: {error}", file.display()))?;
-        Ok(of_script(&script, std::io::stdout().is_terminal()))
+            .map_err(|error| format!("cannot read {}: {error}", printable::path(file)))?;
+        Ok(of_script(&script, has_colour(&std::io::stdout())))
     }
 
     fn catalogue(&self) -> Result<Catalogue, String> {
@@ -97,7 +99,7 @@ impl Check {
 
     fn text(&self, file: &Path, checked: &Checked) -> String {
         let details = if self.verbose { checked.details.as_str() } else { "" };
-        format!("{}{}\n{details}", checked.findings, checked.summary(&file.display().to_string(), self.strict))
+        format!("{}\n{details}", checked.summary(&printable::path(file), self.strict))
     }
 }
 

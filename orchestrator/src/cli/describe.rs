@@ -2,15 +2,17 @@
 
 use crate::find::catalogue::{Catalogue, Origin};
 use fmi2::description::{Causality, Kind, ModelDescription, Variable};
+use fmi2::printable;
 use results::report;
+use std::ffi::{OsStr, OsString};
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Shows the variables of a unit with their units of measure, or all units that would be found.
 #[derive(Debug, clap::Args)]
 pub struct Describe {
     /// A unit as scripts name it, or an .fmu file
-    unit: Option<String>,
+    unit: Option<OsString>,
     /// Where units are looked for before the workspace
     #[arg(long, value_name = "DIR")]
     units: Vec<PathBuf>,
@@ -45,9 +47,10 @@ impl Describe {
         Ok((catalogue.map_err(|error| (error.to_string(), None))?, current))
     }
 
-    fn one(&self, unit: &str) -> Result<String, (String, Option<String>)> {
-        let (catalogue, current) = self.catalogue()?;
-        let archive = catalogue.find(unit, &current).map_err(|problem| (problem.message, problem.help))?;
+    fn one(&self, unit: &OsStr) -> Result<String, (String, Option<String>)> {
+        let (mut catalogue, current) = self.catalogue()?;
+        let name = catalogue.name_of(unit);
+        let archive = catalogue.find(&name, &current).map_err(|problem| (problem.message, problem.help))?;
         let (description, _) = unit::archive::read_description(&archive).map_err(|error| (error.to_string(), None))?;
         Ok(page(unit, &description))
     }
@@ -68,10 +71,15 @@ impl Describe {
             };
             let origin = match origin.strip_prefix(&current) {
                 Ok(inside) if inside.as_os_str().is_empty() => ".".to_owned(),
-                Ok(inside) => inside.display().to_string(),
-                Err(_) => origin.display().to_string(),
+                Ok(inside) => printable::path(inside),
+                Err(_) => printable::path(origin),
             };
-            let _ = writeln!(text, "{:<22}  {origin:<26}  {}", entry.name, words.unwrap_or_default());
+            let _ = writeln!(
+                text,
+                "{:<22}  {origin:<26}  {}",
+                printable::line(&entry.name),
+                printable::line(&words.unwrap_or_default())
+            );
         }
         if text.is_empty() {
             let help = "run it in a workspace with units, or name a folder of .fmu files: --units DIR".to_owned();
@@ -82,10 +90,10 @@ impl Describe {
 }
 
 /// The variables of a unit, and a line to paste.
-fn page(unit: &str, description: &ModelDescription) -> String {
-    let mut text = format!("{}\n", description.model_name);
+fn page(unit: &OsStr, description: &ModelDescription) -> String {
+    let mut text = format!("{}\n", printable::line(&description.model_name));
     if let Some(words) = &description.description {
-        let _ = writeln!(text, "{words}");
+        let _ = writeln!(text, "{}", printable::block(words));
     }
     let sections = [
         ("inputs", Causality::Input),
@@ -102,15 +110,29 @@ fn page(unit: &str, description: &ModelDescription) -> String {
         let _ = writeln!(text, "\n{title}");
         let width = of_kind.iter().map(|variable| variable.name.chars().count()).max().unwrap_or(0);
         for variable in of_kind {
-            let words = variable.description.as_deref().unwrap_or_default();
+            let words = printable::line(variable.description.as_deref().unwrap_or_default());
             let (kind, start) = (kind(description, variable), start(description, variable));
             let line = format!("  {:<width$}  {kind:<10}  {start:<12}  {words}", variable.name);
             let _ = writeln!(text, "{}", line.trim_end());
         }
     }
-    let name = unit.strip_suffix(".fmu").unwrap_or(unit).rsplit('/').next().unwrap_or(unit);
-    let _ = writeln!(text, "\nto paste\n  fmu {} = \"{unit}\"", scenario_name(name));
-    text
+    text + &to_paste(unit)
+}
+
+/// The line of a script that names the unit. A path that a script cannot name gets the line for a script beside it, if its
+/// file can be named.
+fn to_paste(unit: &OsStr) -> String {
+    let is_writable = |name: &&str| printable::line(name) == **name && !name.contains(['"', '\\']);
+    let file = Path::new(unit).file_name().unwrap_or(unit);
+    let line = |name: &str| {
+        let file = name.strip_suffix(".fmu").unwrap_or(name).rsplit('/').next().unwrap_or(name);
+        format!("  fmu {} = \"{name}\"\n", scenario_name(file))
+    };
+    match (unit.to_str().filter(is_writable), file.to_str().filter(is_writable)) {
+        (Some(name), _) => format!("\nto paste\n{}", line(name)),
+        (None, Some(file)) => format!("\nto paste into a script beside it\n{}", line(file)),
+        (None, None) => "\na script cannot name this file; rename it\n".to_owned(),
+    }
 }
 
 /// A name that a script can declare.
@@ -140,7 +162,7 @@ fn start(description: &ModelDescription, variable: &Variable) -> String {
         Kind::Real(real) => real.start.map(results::shortest_decimal),
         Kind::Integer { start, .. } => start.map(|value| value.to_string()),
         Kind::Boolean { start } => start.map(|value| value.to_string()),
-        Kind::String { start } => start.as_ref().map(|value| format!("\"{value}\"")),
+        Kind::String { start } => start.as_ref().map(|value| format!("\"{}\"", printable::line(value))),
         Kind::Enumeration { start, .. } => start.as_ref().map(item),
     }
     .unwrap_or_default()
@@ -165,6 +187,6 @@ mod tests {
         let (description, _) = fmi2::description::read::read(xml).unwrap();
         let expected = "Tank\nA tank.\n\ninputs\n  open  Boolean     true\n\noutputs\n  level  m                         \
                         Height of the water.\n\nto paste\n  fmu my_tank = \"units/my-tank.fmu\"\n";
-        assert_eq!(page("units/my-tank.fmu", &description), expected);
+        assert_eq!(page(OsStr::new("units/my-tank.fmu"), &description), expected);
     }
 }

@@ -1,5 +1,6 @@
 //! `lockstep diff`: whether two runs are the same, and where they part.
 
+use fmi2::printable;
 use fmi2::units::parse;
 use results::diff::{Difference, Limit};
 use results::report;
@@ -42,7 +43,7 @@ impl Diff {
                 return 2;
             }
         };
-        let names = [&self.a, &self.b].map(|path| path.display().to_string());
+        let names = [&self.a, &self.b].map(|path| printable::path(path));
         for (table, name) in tables.iter().zip(&names).filter(|(table, _)| table.partial) {
             let rows = table.time_s().len();
             report::status(&format!("note: {name} did not come to its end: {rows} rows are compared"));

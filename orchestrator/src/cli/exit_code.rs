@@ -38,7 +38,7 @@ pub(super) fn reached(
     let ready = match ready {
         Ok(ready) => ready,
         Err(refusal) => {
-            report::status(refusal.0.trim_end());
+            report::diagnostics(refusal.0.trim_end());
             return USAGE;
         }
     };

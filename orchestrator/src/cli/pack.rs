@@ -1,7 +1,9 @@
 //! `lockstep pack`: unit crates become `.fmu` files for this and any other tool.
 
+use fmi2::printable;
 use pack::{UnitCrate, Workspace};
 use results::report;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 /// Builds unit crates and packs them as .fmu files.
@@ -9,7 +11,7 @@ use std::path::{Path, PathBuf};
 pub struct Pack {
     /// Units of this workspace by name, or folders of unit crates
     #[arg(value_name = "UNIT-OR-PATH", required_unless_present = "all")]
-    units: Vec<String>,
+    units: Vec<OsString>,
     /// All units of this workspace
     #[arg(long, conflicts_with = "units")]
     all: bool,
@@ -36,7 +38,7 @@ impl Pack {
                 None => unit.archive(),
             };
             match pack::pack(unit, &unit::describe::describe_library, &archive) {
-                Ok(path) => report::result(&format!("{}\n", path.display())),
+                Ok(path) => report::result(&format!("{}\n", printable::path(path))),
                 Err(error) => {
                     report::error(&error, None);
                     return 2;
@@ -58,15 +60,15 @@ impl Pack {
     }
 }
 
-fn one(name: &str, units: &[UnitCrate], current: &Path) -> Result<UnitCrate, (String, Option<String>)> {
-    if let Some(unit) = units.iter().find(|unit| unit.name == name) {
+fn one(name: &OsStr, units: &[UnitCrate], current: &Path) -> Result<UnitCrate, (String, Option<String>)> {
+    if let Some(unit) = units.iter().find(|unit| *unit.name == *name) {
         return Ok(unit.clone());
     }
     let folder = current.join(name);
     if folder.is_dir() {
         return UnitCrate::at(&folder.canonicalize().unwrap_or(folder)).map_err(|error| (error.to_string(), None));
     }
-    let near = dsl::nearest::nearest(name, units.iter().map(|unit| unit.name.as_str()));
+    let near = dsl::nearest::nearest(&name.to_string_lossy(), units.iter().map(|unit| unit.name.as_str()));
     let help = near.map(|near| format!("did you mean `{near}`?"));
-    Err((format!("`{name}` is neither a unit of this workspace nor a folder"), help))
+    Err((format!("`{}` is neither a unit of this workspace nor a folder", printable::path(name)), help))
 }

@@ -1,6 +1,7 @@
 //! `lockstep plot`: a picture of a run.
 
 use dsl::nearest::nearest;
+use fmi2::printable;
 use results::plot::{PlotError, Selection, draw};
 use results::report;
 use results::run_folder::PLOT_SVG;
@@ -29,7 +30,7 @@ impl Plot {
     #[must_use]
     pub fn run(self) -> u8 {
         if let Some(out) = self.out.as_ref().filter(|out| out.extension() != Some(OsStr::new("svg"))) {
-            let message = format!("--out {} is no name of a picture", out.display());
+            let message = format!("--out {} is no name of a picture", printable::path(out));
             report::error(&message, Some("pictures are SVG: let it end in .svg"));
             return 2;
         }
@@ -54,13 +55,13 @@ impl Plot {
         let beside = if self.run.is_dir() { self.run.join(PLOT_SVG) } else { self.run.with_extension("svg") };
         let out = self.out.unwrap_or(beside);
         if let Err(error) = std::fs::write(&out, picture) {
-            report::error(&format!("cannot write {}: {error}", out.display()), None);
+            report::error(&format!("cannot write {}: {error}", printable::path(out)), None);
             return 2;
         }
         if table.partial {
             report::status("note: this run did not come to its end; the picture shows what was recorded");
         }
-        report::result(&format!("{}\n", out.display()));
+        report::result(&format!("{}\n", printable::path(out)));
         0
     }
 }

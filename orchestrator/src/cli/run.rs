@@ -8,6 +8,7 @@ use crate::find::preparation::{self, Refusal, default_folder};
 use crate::find::script::Script;
 use crate::host::execution::{ReadyRun, RunOutcome};
 use crate::run::run_options::RunOptions;
+use fmi2::printable;
 use results::report;
 use results::report::console::Style;
 use results::report::table::{next_lines, replay_command};
@@ -100,7 +101,7 @@ impl Run {
     fn prepare(&self) -> Result<ReadyRun, Refusal> {
         let catalogue = preparation::catalogue(&self.units, !self.no_build)?;
         let script = Script::read(&self.script, &self.set, &catalogue, self.is_isolated())
-            .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", self.script.display()), None))?;
+            .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", printable::path(&self.script)), None))?;
         #[cfg(feature = "bus")]
         let listening = self.live.listen()?;
         let options = self.options()?;
@@ -157,8 +158,7 @@ impl Run {
             report::result(&verdict.json());
             return;
         }
-        let units: Vec<_> = self.units.iter().map(|folder| folder.display().to_string()).collect();
-        let replay = replay_command(&outcome.script, &verdict.parameters, &units);
+        let replay = replay_command(&self.script, &verdict.parameters, &self.units);
         let text = report::table::report(&outcome.heading(), verdict, &replay);
         report::result(&(text + &next_lines(outcome.folder.path(), self.record.is_none())));
     }

@@ -12,12 +12,14 @@ use crate::host::execution::{ReadyRun, RunOutcome};
 use crate::run::prepared_run::PreparedRun;
 use crate::run::run_options::RunOptions;
 use alone::Alone;
+use fmi2::printable;
 use results::TraceError;
 use results::report;
 use results::report::console::Style;
 use results::report::table::{heading_line, next_lines};
 use results::run_folder::TRACE_CSV;
 use results::run_record::{HashedFile, sha256};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -29,7 +31,7 @@ use std::time::Duration;
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
     /// An .fmu file, or a unit as scripts name it
-    unit: String,
+    unit: OsString,
     /// When to end, for example 10s; a bare number is in seconds
     #[arg(long, value_name = "TIME", value_parser = experiment::time)]
     stop: Option<f64>,
@@ -69,8 +71,8 @@ impl Simulate {
     }
 
     fn prepare(&self) -> Result<PreparedRun, Refusal> {
-        let catalogue = preparation::catalogue(&self.units, !self.no_build)?;
-        let alone = Alone::find(&self.unit, &catalogue)?;
+        let mut catalogue = preparation::catalogue(&self.units, !self.no_build)?;
+        let alone = Alone::find(&catalogue.name_of(&self.unit), &catalogue)?;
         let (curves, files) = match &self.input {
             Some(path) => {
                 let (curves, file) = self.read_input(path, &alone)?;
@@ -91,7 +93,7 @@ impl Simulate {
         let folder = || Path::new("runs").join(format!("{}-alone", alone.name()));
         let out = self.out.clone().unwrap_or_else(folder);
         if let Some(output) = self.output.as_ref().filter(|output| lies_in(output, &out)) {
-            let message = format!("--output {} lies in the folder of the results", output.display());
+            let message = format!("--output {} lies in the folder of the results", printable::path(output));
             return Err(Refusal::new(&message, Some("their rows are in its trace.csv anyway; name a file elsewhere")));
         }
         let step_timeout = Some(self.step_timeout).filter(|limit| !limit.is_zero());
@@ -101,7 +103,7 @@ impl Simulate {
     }
 
     fn read_input(&self, path: &Path, alone: &Alone) -> Result<(input_file::Curves, HashedFile), Refusal> {
-        let name = path.display().to_string();
+        let name = printable::path(path);
         let bytes = std::fs::read(path).map_err(|error| Refusal::new(&format!("cannot read {name}: {error}"), None))?;
         let file = HashedFile { name, sha256: sha256(&bytes) };
         let curves = input_file::read(path, bytes, &alone.description);

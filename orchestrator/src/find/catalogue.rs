@@ -4,7 +4,9 @@
 //! among the unit crates of the cargo workspace that the user's current folder is in. Nothing else is ever built.
 
 use dsl::loader::Problem as UnitProblem;
+use fmi2::printable;
 use pack::{UnitCrate, Workspace};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Where units are looked for.
@@ -13,6 +15,8 @@ pub struct Catalogue {
     folders: Vec<PathBuf>,
     workspace: Option<Workspace>,
     build: bool,
+    /// A file that the command line names, and the name by which it is looked up.
+    named: Option<(String, PathBuf)>,
 }
 
 /// A unit that can be run.
@@ -43,7 +47,19 @@ impl Catalogue {
             let unreadable = |source| pack::PackError::File { path: folder.clone(), doing: "read", source };
             std::fs::read_dir(folder).map_err(unreadable)?;
         }
-        Ok(Self { folders, workspace: Workspace::around(current)?, build })
+        Ok(Self { folders, workspace: Workspace::around(current)?, build, named: None })
+    }
+
+    /// The name by which a unit of the command line is looked up. A path that a script cannot name gets another.
+    pub fn name_of(&mut self, unit: &OsStr) -> String {
+        match unit.to_str() {
+            Some(name) if printable::line(name) == name && !name.contains(['"', '\\']) => name.to_owned(),
+            _ => {
+                let name = printable::line(&unit.to_string_lossy()).replace(['"', '\\'], "\u{fffd}");
+                self.named = Some((name.clone(), PathBuf::from(unit)));
+                name
+            }
+        }
     }
 
     /// All units that bare names can mean, sorted by name; a folder of `--units` comes before the workspace.
@@ -64,7 +80,8 @@ impl Catalogue {
     /// Says why there is none, with the nearest names.
     pub fn find(&self, name: &str, folder: &Path) -> Result<PathBuf, UnitProblem> {
         if name.ends_with(".fmu") {
-            let path = folder.join(name);
+            let named = self.named.as_ref().filter(|(given, _)| given == name);
+            let path = folder.join(named.map_or(Path::new(name), |(_, path)| path));
             return if path.is_file() { Ok(path) } else { Err(no_file(name, &path)) };
         }
         match self.entries().into_iter().find(|entry| entry.name == name) {
@@ -112,7 +129,7 @@ fn no_file(name: &str, path: &Path) -> UnitProblem {
         || "paths are relative to the script".to_owned(),
         |near| format!("paths are relative to the script; did you mean `{near}`?"),
     );
-    UnitProblem { message: format!("there is no file `{}`", path.display()), help: Some(help) }
+    UnitProblem { message: format!("there is no file `{}`", printable::path(path)), help: Some(help) }
 }
 
 fn archives_in(folder: &Path) -> Vec<Entry> {

@@ -13,12 +13,13 @@ use checkpoints::{Candidate, Checkpoints};
 use dsl::nearest::nearest;
 use dsl::scenario::{Scenario, Value};
 use fmi2::description::{Finding, Severity};
+use fmi2::printable;
 use results::checkpoint::Saving;
-use results::report::{error_text, status};
+use results::report::console::has_colour;
+use results::report::{diagnostics, error_text, status};
 use results::run_folder::RunFolder;
 use results::run_record::{HashedFile, Host, Parameter, RunRecord, RunState, now, sha256};
 use std::collections::BTreeSet;
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use unit::archive::{Unpacked, unpack};
@@ -64,12 +65,12 @@ pub struct UnpackedUnits {
 /// # Errors
 /// Whatever is wrong with the script or its units.
 pub fn unpack_units(script: &Script) -> Result<UnpackedUnits, Refusal> {
-    let rendered = script.rendered(std::io::stderr().is_terminal());
+    let rendered = script.rendered(has_colour(&std::io::stderr()));
     if script.scenario.is_none() {
         return Err(Refusal(rendered));
     }
     if !rendered.is_empty() {
-        status(rendered.trim_end());
+        diagnostics(rendered.trim_end());
     }
     let home = private_folder()?;
     Ok(UnpackedUnits { units: unpack_all(script, home.path())?, home: Arc::new(home) })
@@ -88,7 +89,7 @@ fn private_folder() -> Result<Home, Refusal> {
         status(&format!(
             "warning: other users can replace the units of this run: all may rename folders in {}\n\
              help: {OTHER_TMPDIR}, or run chmod +t on it",
-            root.display()
+            printable::path(root)
         ));
     }
     Ok(home)
@@ -101,7 +102,7 @@ fn private_folder() -> Result<Home, Refusal> {
 /// Whatever is wrong with the script, its files, the options or the folder.
 pub fn prepare(mut script: Script, unpacked: &UnpackedUnits, options: RunOptions) -> Result<PreparedRun, Refusal> {
     let Some(scenario) = script.scenario.take() else {
-        return Err(Refusal(script.rendered(std::io::stderr().is_terminal())));
+        return Err(Refusal(script.rendered(has_colour(&std::io::stderr()))));
     };
     check_log_calls(&options.log_calls, &scenario)?;
     let files = files_of(&scenario, &script.folder)?.into_iter().chain(options.files.iter().cloned()).collect();
@@ -117,7 +118,7 @@ pub fn prepare(mut script: Script, unpacked: &UnpackedUnits, options: RunOptions
     let spec = RunSpec {
         worker_of: options.isolate.then(|| (0..scenario.instances.len()).collect()),
         scenario,
-        folder: script.folder.canonicalize().unwrap_or_else(|_| script.folder.clone()),
+        folder: folder_for_units(&script.folder, home.path())?,
         board: home.path().join("board"),
         options,
         saves: saves(&saving, home.path()),
@@ -170,7 +171,7 @@ fn finding_lines(name: &str, archive: &Path, findings: &[Finding]) -> Vec<String
     let shown = broken.iter().take(FINDINGS_SHOWN);
     let mut lines: Vec<_> = shown.map(|finding| format!("warning: unit `{name}`: {finding}")).collect();
     if let Some(more) = broken.len().checked_sub(FINDINGS_SHOWN).filter(|&more| more > 0) {
-        lines.push(format!("warning: unit `{name}`: and {more} more: lockstep check {}", archive.display()));
+        lines.push(format!("warning: unit `{name}`: and {more} more: lockstep check {}", printable::path(archive)));
     }
     lines
 }
@@ -192,13 +193,29 @@ fn files_of(scenario: &Scenario, folder: &Path) -> Result<Vec<HashedFile>, Refus
         let home = folder.canonicalize().map_err(refused)?;
         let path = folder.join(name).canonicalize().map_err(refused)?;
         if !path.starts_with(&home) {
-            let message = format!("file(\"{name}\") lies outside of the script's folder {}", folder.display());
+            let message = format!("file(\"{name}\") lies outside of the script's folder {}", printable::path(folder));
             return Err(Refusal::new(&message, Some("put it beside the script")));
         }
         let bytes = std::fs::read(&path).map_err(refused)?;
         files.push(HashedFile { name: name.clone(), sha256: sha256(&bytes) });
     }
     Ok(files)
+}
+
+/// The script's folder under a name that units can be given, whose texts are UTF-8: a link in the private folder if its own
+/// is not.
+fn folder_for_units(folder: &Path, home: &Path) -> Result<PathBuf, Refusal> {
+    let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    if folder.to_str().is_some() {
+        return Ok(folder);
+    }
+    let link = home.join("script");
+    match std::os::unix::fs::symlink(&folder, &link) {
+        Err(error) if error.kind() != std::io::ErrorKind::AlreadyExists => {
+            Err(Refusal::new(&format!("cannot make {}: {error}", printable::path(&link)), None))
+        }
+        _ => Ok(link),
+    }
 }
 
 /// The parameters of a scenario as results show them.

@@ -12,6 +12,7 @@ use dsl::source::{Source, Sources};
 use dsl::syntax::{Binding, File};
 use fmi2::description::check::check;
 use fmi2::description::{Finding, ModelDescription};
+use fmi2::printable;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -63,7 +64,7 @@ impl Script {
             Some(folder) if folder != Path::new("") => folder.to_owned(),
             _ => PathBuf::from("."),
         };
-        let name = path.display().to_string();
+        let name = printable::path(path);
         Ok(Self::resolved(name, folder, text, settings, catalogue, isolated))
     }
 

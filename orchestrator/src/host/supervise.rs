@@ -3,6 +3,7 @@
 //! Whatever a unit does to the stepping process, this process has the rows up to then and the call in progress. Where each
 //! instance has a process of its own, the loop runs in a thread of this one, and all else is the same.
 
+mod log_lines;
 mod log_order;
 mod post_mortem;
 mod stepping_process;
@@ -15,6 +16,8 @@ use crate::run::interruption;
 use crate::run::message::{Finish, Message, Reason};
 use crate::run::run_spec::RunSpec;
 use flatten::claims::info;
+use fmi2::printable;
+use log_lines::LogLines;
 use log_order::LogOrder;
 pub use post_mortem::{cause_of_death, failure};
 use results::TraceError;
@@ -35,6 +38,7 @@ use stepping_process::SteppingProcess;
 pub use terms::{BeginLive, RunEnd, StartWorkers, Stepping, SuperviseError};
 use unit::board::{Board, BoardLayout, ClaimNote, InCall};
 use unit::failure::{Cause, Failure};
+use unit::logger::LogMessage;
 use unit::process::LONGEST_STOP;
 use unit::time::seconds;
 
@@ -129,6 +133,7 @@ struct Supervision<'a, W: Write> {
     began: Instant,
     polled: Instant,
     log_order: LogOrder,
+    log_lines: LogLines,
     calls: Option<Watchdog<InCall>>,
     /// When it was last asked whether the stepping process is stopped, and since when it is.
     looked: Instant,
@@ -162,6 +167,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             began: now,
             polled: now,
             log_order: LogOrder::default(),
+            log_lines: LogLines::default(),
             // Where each instance has a process of its own, the coordinator limits the time of its replies.
             calls: spec.options.step_timeout.filter(|_| spec.worker_of.is_none()).map(Watchdog::new),
             looked: now,
@@ -200,9 +206,8 @@ impl<'a, W: Write> Supervision<'a, W> {
                 Err(error) => self.console.say(&format!("warning: a message of a unit could not be read: {error}")),
             }
         }
-        for message in self.log_order.before(reached) {
-            self.console.say(&post_mortem::log_line(&message, &self.spec.scenario));
-        }
+        let due = self.log_order.before(reached);
+        self.print_messages(due);
         if self.log_order.are_many() {
             self.print_all_messages();
         }
@@ -235,7 +240,7 @@ impl<'a, W: Write> Supervision<'a, W> {
         for file in self.saving.files_at(tick) {
             self.saving.write(file, &checkpoint)?;
             let time = shortest_decimal(seconds(tick, self.spec.scenario.step_ns));
-            self.console.say(&format!("saved {} at {time} s", file.display()));
+            self.console.say(&format!("saved {} at {time} s", printable::path(file)));
         }
         self.kept.push(tick);
         fs::remove_file(&save.file).map_err(TraceError::io("remove", &save.file))
@@ -257,13 +262,18 @@ impl<'a, W: Write> Supervision<'a, W> {
             } else {
                 format!("the run {ended} at {} s and was to be saved at {} s", time(last_tick), time(*tick))
             };
-            self.console.say(&format!("warning: {} was not saved: {why}", file.display()));
+            self.console.say(&format!("warning: {} was not saved: {why}", printable::path(file)));
         }
     }
 
     fn print_all_messages(&mut self) {
-        for message in self.log_order.all() {
-            self.console.say(&post_mortem::log_line(&message, &self.spec.scenario));
+        let all = self.log_order.all();
+        self.print_messages(all);
+    }
+
+    fn print_messages(&mut self, messages: impl Iterator<Item = LogMessage>) {
+        for line in messages.flat_map(|message| self.log_lines.of(message, &self.spec.scenario)) {
+            self.console.say(&line);
         }
     }
 
@@ -338,6 +348,7 @@ impl<'a, W: Write> Supervision<'a, W> {
     /// What stepped is gone and the rings are empty; `refused` is why their last rows could not be written.
     fn conclude(mut self, cause: Cause, refused: Option<TraceError>) -> Result<RunEnd, SuperviseError> {
         self.print_all_messages();
+        self.log_lines.rest(&self.spec.scenario).iter().for_each(|line| self.console.say(line));
         self.console.clear();
         let killed_by_user = self.interrupts > 1;
         self.failure = self.failure.take().or_else(|| self.copied());

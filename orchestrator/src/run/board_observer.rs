@@ -4,6 +4,7 @@ use super::pace::Pace;
 use crate::run::message::{Message, MessageSink};
 use crate::run::run_spec::SaveSpec;
 use crate::run::step_loop::{Checkpoint, Observer};
+use fmi2::printable;
 use results::verdict::Standing;
 use std::sync::Arc;
 use unit::board::{Board, ClaimNote, RowWriter};
@@ -50,7 +51,7 @@ impl Observer for BoardObserver<'_> {
         let bytes = postcard::to_stdvec(checkpoint).map_err(|error| format!("cannot encode a checkpoint: {error}"))?;
         for save in self.saves.iter().filter(|save| save.tick == checkpoint.tick) {
             let written = std::fs::write(&save.file, &bytes);
-            written.map_err(|error| format!("cannot write {}: {error}", save.file.display()))?;
+            written.map_err(|error| format!("cannot write {}: {error}", printable::path(&save.file)))?;
         }
         message(self.board, &Message::Saved(checkpoint.tick));
         Ok(())

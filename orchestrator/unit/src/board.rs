@@ -19,6 +19,7 @@ pub use note::{InCall, Note, Now};
 pub use ring::RowWriter;
 
 use claim::CLAIM_WORDS;
+use fmi2::printable;
 use mapping::Mapping;
 use note::NOTE_WORDS;
 use ring::{Messages, RING_WORDS, Rows};
@@ -128,7 +129,8 @@ impl Board {
     /// The file cannot be opened or mapped, or is not a board of this version of Lockstep.
     pub fn open(path: &Path) -> io::Result<Self> {
         let mapping = Mapping::open(path)?;
-        let not_a_board = || io::Error::new(io::ErrorKind::InvalidData, format!("{} is no board", path.display()));
+        let not_a_board =
+            || io::Error::new(io::ErrorKind::InvalidData, format!("{} is no board", printable::path(path)));
         let words = mapping.words();
         if words.len() < HEADER_WORDS || words[MAGIC_AT].load(Ordering::Acquire) != MAGIC {
             return Err(not_a_board());

@@ -1,6 +1,7 @@
 //! Why a unit cannot be used: the errors of its archive and of its library.
 
 use fmi2::description::Finding;
+use fmi2::printable;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -108,13 +109,13 @@ impl UnitError {
 impl fmt::Display for UnitError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::File { doing, path, error } => write!(f, "{doing} {}: {error}", path.display()),
-            Self::Archive { archive, entry: None, problem } => write!(f, "{}: {problem}", archive.display()),
+            Self::File { doing, path, error } => write!(f, "{doing} {}: {error}", printable::path(path)),
+            Self::Archive { archive, entry: None, problem } => write!(f, "{}: {problem}", printable::path(archive)),
             Self::Archive { archive, entry: Some(entry), problem } => {
-                write!(f, "{}: entry `{}` {problem}", archive.display(), entry.escape_debug())
+                write!(f, "{}: entry `{}` {problem}", printable::path(archive), entry.escape_debug())
             }
             Self::Description { archive, finding } => {
-                write!(f, "{}: modelDescription.xml:{finding}", archive.display())
+                write!(f, "{}: modelDescription.xml:{finding}", printable::path(archive))
             }
             Self::NoCoSimulation => f.write_str("the unit has no CoSimulation element, only model exchange"),
             Self::NoBinary { wanted, present } => {
@@ -125,7 +126,7 @@ impl fmt::Display for UnitError {
                 }
             }
             Self::Loader { library, refusal } => {
-                let library = library.display();
+                let library = printable::path(library);
                 match refusal {
                     Refusal::MissingLibrary(name) => {
                         write!(f, "{library} needs the library `{name}`, which this system does not have")
@@ -137,10 +138,10 @@ impl fmt::Display for UnitError {
                 }
             }
             Self::NoFunction { library, symbol } => {
-                write!(f, "{} lacks the function `{symbol}` of FMI 2.0", library.display())
+                write!(f, "{} lacks the function `{symbol}` of FMI 2.0", printable::path(library))
             }
             Self::Version { library, function, expected, found } => {
-                write!(f, "{}: {function} should answer `{expected}`, but answers `{found}`", library.display())
+                write!(f, "{}: {function} should answer `{expected}`, but answers `{found}`", printable::path(library))
             }
         }
     }

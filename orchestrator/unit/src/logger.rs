@@ -62,6 +62,12 @@ impl LogMessage {
         };
         name.to_owned()
     }
+
+    /// Cuts text and category to so many bytes each, with a note where something is cut off.
+    pub fn shorten_to(&mut self, bytes: usize) {
+        cut(&mut self.text, bytes);
+        cut(&mut self.category, bytes);
+    }
 }
 
 /// Receives log messages of units; any thread may call it.
@@ -87,14 +93,14 @@ unsafe fn deliver(
     // already.
     let _ = catch_unwind(AssertUnwindSafe(|| {
         // SAFETY: guaranteed by the caller.
-        let (name, mut category) = unsafe { (lossy(name), lossy(category)) };
+        let (name, category) = unsafe { (lossy(name), lossy(category)) };
         let Some((environment, exact)) = Environment::find(environment, &name) else { return };
-        let mut text = environment.names.expand(String::from_utf8_lossy(&text()).trim_end());
-        cut(&mut text);
-        cut(&mut category);
+        let text = environment.names.expand(String::from_utf8_lossy(&text()).trim_end(), LONGEST_TEXT);
         let instance = exact.then_some(environment.instance);
         let (tick, counts_at) = (environment.note.tick(), environment.note.counts_at());
-        (environment.sink)(LogMessage { instance, tick, counts_at, status, category, text });
+        let mut message = LogMessage { instance, tick, counts_at, status, category, text };
+        message.shorten_to(LONGEST_TEXT);
+        (environment.sink)(message);
     }));
 }
 
@@ -108,9 +114,9 @@ unsafe fn lossy(text: Str) -> String {
     unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }
 
-fn cut(text: &mut String) {
-    if text.len() > LONGEST_TEXT {
-        text.truncate(text.floor_char_boundary(LONGEST_TEXT));
+fn cut(text: &mut String, bytes: usize) {
+    if text.len() > bytes {
+        text.truncate(text.floor_char_boundary(bytes));
         text.push_str(CUT);
     }
 }

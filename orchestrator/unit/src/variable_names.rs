@@ -28,13 +28,16 @@ impl VariableNames {
     }
 
     /// Replaces `#r12#`, `#i3#`, `#b0#` and `#s7#` by names, and `##` by `#`, as the standard defines. Anything else
-    /// stays.
+    /// stays. What follows the first `enough` bytes is left out.
     #[must_use]
-    pub fn expand(&self, text: &str) -> String {
+    pub fn expand(&self, text: &str, enough: usize) -> String {
         let mut expanded = String::with_capacity(text.len());
         let mut rest = text;
         while let Some((before, after)) = rest.split_once('#') {
             expanded.push_str(before);
+            if expanded.len() > enough {
+                return expanded;
+            }
             if let Some(after) = after.strip_prefix('#') {
                 expanded.push('#');
                 rest = after;
@@ -75,6 +78,7 @@ fn references_become_names_and_doubled_signs_become_one() {
         ("#é# #r+12# #r12", "#é# tank.level #r12"),
         ("", ""),
     ] {
-        assert_eq!(names.expand(text), expanded);
+        assert_eq!(names.expand(text, 100), expanded);
     }
+    assert!(names.expand(&"#r12#".repeat(1000), 100).len() < 120);
 }

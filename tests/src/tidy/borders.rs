@@ -11,7 +11,7 @@ const ALLOWED: [(&str, &[&str]); 6] = [
     ("orchestrator/unit/Cargo.toml", &["fmi2", "libc", "libloading", "serde", "sha2", "zip", "zmij"]),
     (
         "orchestrator/results/Cargo.toml",
-        &["base64", "humantime", "parquet", "postcard", "serde", "serde_json", "sha2", "unit", "zmij"],
+        &["base64", "fmi2", "humantime", "parquet", "postcard", "serde", "serde_json", "sha2", "unit", "zmij"],
     ),
 ];
 

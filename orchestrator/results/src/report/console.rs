@@ -1,6 +1,9 @@
 //! Standard error during a run: lines that stay, and on a terminal one progress line below them that is overwritten.
 
 use super::progress::{Progress, Tenths};
+use fmi2::printable;
+use std::env;
+use std::ffi::OsStr;
 use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
 
@@ -19,12 +22,25 @@ impl Style {
     /// The style for standard error, which depends on whether it is a terminal; `json` for `--progress json`.
     #[must_use]
     pub fn fitting(json: bool) -> Self {
-        match (json, io::stderr().is_terminal()) {
+        match (json, io::stderr().is_terminal() && has_commands(env::var_os("TERM").as_deref())) {
             (true, _) => Self::Json,
             (false, true) => Self::Live,
             (false, false) => Self::Tenths,
         }
     }
+}
+
+/// Whether what is written to a stream may be coloured: it is a terminal that has colours, and the user does not refuse them
+/// (<https://no-color.org>).
+#[must_use]
+pub fn has_colour(stream: &impl IsTerminal) -> bool {
+    let refused = env::var_os("NO_COLOR").is_some_and(|refused| !refused.is_empty());
+    stream.is_terminal() && !refused && has_commands(env::var_os("TERM").as_deref())
+}
+
+/// Whether the terminal of this name knows commands at all.
+fn has_commands(terminal: Option<&OsStr>) -> bool {
+    terminal.is_some_and(|name| name != "dumb")
 }
 
 /// How often a line on a terminal changes.
@@ -59,11 +75,11 @@ impl<W: Write> Console<W> {
         self.out
     }
 
-    /// Prints a line that stays.
+    /// Prints a line that stays, without what would command the user's terminal.
     pub fn say(&mut self, text: &str) {
         self.clear();
         // A closed standard error must not end a run.
-        let _ = writeln!(self.out, "{text}");
+        let _ = writeln!(self.out, "{}", printable::lines(text));
     }
 
     /// Shows the progress if a new line is due; `progress` is called only then.

@@ -7,11 +7,17 @@ pub mod number;
 pub mod progress;
 pub mod table;
 
+use fmi2::printable;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Prints one status line on standard error.
+/// Prints status lines on standard error, without what would command the user's terminal.
 pub fn status(text: &str) {
+    diagnostics(&printable::lines(text));
+}
+
+/// Prints rendered diagnostics, which may have colours, on standard error.
+pub fn diagnostics(text: &str) {
     // A closed standard error must not end a run.
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
@@ -19,9 +25,14 @@ pub fn status(text: &str) {
 /// Whether results did not reach standard output.
 static LOST: AtomicBool = AtomicBool::new(false);
 
-/// Prints results on standard output. A closed pipe is no error, because a reader such as `head` may stop early; any
-/// other failure is reported and recorded for the exit code.
+/// Prints results on standard output, without what would command the user's terminal.
 pub fn result(text: &str) {
+    rendered_result(&printable::lines(text));
+}
+
+/// Prints results with rendered diagnostics, which may have colours, on standard output. A closed pipe is no error, because a reader such as `head` may stop early; any
+/// other failure is reported and recorded for the exit code.
+pub fn rendered_result(text: &str) {
     let mut out = io::stdout().lock();
     let Err(write_error) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) else { return };
     if write_error.kind() != io::ErrorKind::BrokenPipe {
@@ -41,10 +52,14 @@ pub fn error(message: &impl std::fmt::Display, help: Option<&str>) {
     status(&error_text(message, help));
 }
 
-/// The text of an error with its help.
+/// The text of an error with its help; later lines of either are marked.
 #[must_use]
 pub fn error_text(message: &impl std::fmt::Display, help: Option<&str>) -> String {
-    help.map_or_else(|| format!("error: {message}"), |help| format!("error: {message}\nhelp: {help}"))
+    let message = printable::block(&message.to_string());
+    match help {
+        Some(help) => format!("error: {message}\nhelp: {}", printable::block(help)),
+        None => format!("error: {message}"),
+    }
 }
 
 #[cfg(test)]
@@ -55,5 +70,9 @@ mod tests {
     fn an_error_comes_before_its_help() {
         assert_eq!(error_text(&"it broke", Some("mend it")), "error: it broke\nhelp: mend it");
         assert_eq!(error_text(&"it broke", None), "error: it broke");
+        assert_eq!(
+            error_text(&"cannot read a\nerror: \x1b[2Jb", None),
+            "error: cannot read a\n  | error: \u{fffd}[2Jb"
+        );
     }
 }

@@ -4,8 +4,9 @@ use super::number::{beside, duration, short};
 use crate::run_record::{Parameter, RunState};
 use crate::shortest_decimal;
 use crate::verdict::{JudgedClaim, Verdict, VerdictFile};
+use fmi2::printable;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What the table contains besides the claims.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +35,7 @@ pub fn report(heading: &Heading, verdict: &VerdictFile, replay: &str) -> String 
 /// The lines that name the next commands: the run's folder, its plot, the comparison with another run.
 #[must_use]
 pub fn next_lines(folder: &Path, recorded: bool) -> String {
-    let folder = shell_word(&folder.to_string_lossy());
+    let folder = printable::shell_word(folder);
     if !recorded {
         return format!("{folder}\n");
     }
@@ -43,24 +44,16 @@ pub fn next_lines(folder: &Path, recorded: bool) -> String {
 
 /// The command that repeats a run: the script with what the command line set.
 #[must_use]
-pub fn replay_command(script: &str, parameters: &[Parameter], units: &[String]) -> String {
-    let mut line = format!("lockstep run {}", shell_word(script));
+pub fn replay_command(script: &Path, parameters: &[Parameter], units: &[PathBuf]) -> String {
+    let mut line = format!("lockstep run {}", printable::shell_word(script));
     for parameter in parameters.iter().filter(|parameter| parameter.set) {
-        let _ = write!(line, " --set {}", shell_word(&format!("{} = {}", parameter.name, parameter.value)));
+        let setting = format!("{} = {}", parameter.name, parameter.value);
+        let _ = write!(line, " --set {}", printable::shell_word(setting));
     }
     for folder in units {
-        let _ = write!(line, " --units {}", shell_word(folder));
+        let _ = write!(line, " --units {}", printable::shell_word(folder));
     }
     line
-}
-
-/// A text quoted, if needed, so that a shell reads it as one word.
-fn shell_word(text: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./+:@%,".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
-        return text.to_owned();
-    }
-    format!("'{}'", text.replace('\'', "'\\''"))
 }
 
 /// The first line of a report: how far the run came, how fast, with which parameters.
@@ -168,7 +161,7 @@ mod tests {
             end: end.to_owned(),
             claims: claims.collect(),
         };
-        let replay = replay_command(heading.script, &verdict.parameters, &[]);
+        let replay = replay_command(Path::new(heading.script), &verdict.parameters, &[]);
         report(&heading, &verdict, &replay) + &next_lines(Path::new("runs/quad"), true)
     }
 
@@ -232,7 +225,7 @@ mod tests {
     #[test]
     fn a_replay_command_is_quoted_for_the_shell() {
         let parameter = |value: &str| Parameter { name: "load".to_owned(), value: value.to_owned(), set: true };
-        let line = replay_command("my runs/a.scn", &[parameter("5 'N.m'")], &["units".to_owned()]);
+        let line = replay_command(Path::new("my runs/a.scn"), &[parameter("5 'N.m'")], &["units".into()]);
         assert_eq!(line, r#"lockstep run 'my runs/a.scn' --set 'load = 5 '\''N.m'\''' --units units"#);
     }
 }

@@ -1,5 +1,6 @@
 //! A file with a table: its names first, then its rows.
 
+use fmi2::printable;
 use super::TableError;
 use super::cell::CellType;
 use super::parquet::ParquetTable;
@@ -136,7 +137,7 @@ impl TableFile {
         match &self.content {
             Content::Text(sheet) => TableError::placed(&self.path, sheet, wrong),
             Content::Parquet(_) => {
-                TableError::new(format!("{}: {}", self.path.display(), wrong.message)).help(wrong.help)
+                TableError::new(format!("{}: {}", printable::path(&self.path), wrong.message)).help(wrong.help)
             }
         }
     }
@@ -282,5 +283,5 @@ fn trace_file(run: &Path) -> Result<PathBuf, TableError> {
     } else {
         run.exists().then(|| run.to_owned())
     };
-    found.ok_or_else(|| TableError::new(format!("{} is neither a run's folder nor a trace.csv", run.display())))
+    found.ok_or_else(|| TableError::new(format!("{} is neither a run's folder nor a trace.csv", printable::path(run))))
 }

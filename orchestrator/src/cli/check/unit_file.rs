@@ -2,6 +2,7 @@
 
 use super::Checked;
 use fmi2::description::{Finding, ModelDescription, Severity};
+use fmi2::printable;
 use std::path::Path;
 use unit::archive::examine;
 use unit::error::UnitError;
@@ -11,7 +12,7 @@ use unit::error::UnitError;
 /// # Errors
 /// If the file cannot be read at all.
 pub(super) fn check(file: &Path) -> Result<Checked, UnitError> {
-    let name = file.display().to_string();
+    let name = printable::path(file);
     match examine(file) {
         Ok((description, findings)) => Ok(Checked { facts: facts(&description), ..checked(&name, &findings) }),
         Err(UnitError::Description { finding, .. }) => Ok(checked(&name, &[finding])),

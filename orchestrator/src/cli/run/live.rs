@@ -4,6 +4,7 @@ use crate::bus::watch::{ANY_LOCAL_PORT, ListenError, Listening, Rate, Watch};
 use crate::find::preparation::Refusal;
 use crate::host::execution::ReadyRun;
 use crate::run::prepared_run::PreparedRun;
+use fmi2::printable;
 use results::report::status;
 use results::sink::Sink;
 use unit::descriptors::{are_left, raise_limit};
@@ -77,8 +78,9 @@ fn text(run: &str, addresses: &[String]) -> String {
     let watch = format!(r#"w = s.declare_subscriber("lockstep/{run}/**")"#);
     let print = "[print(v.key_expr, v.payload.to_string()) for v in w]";
     format!(
-        "live: run {run} at {}\nhelp: watch it with python3 -c 'import zenoh; {connect}; {watch}; {print}'",
-        addresses.join(", ")
+        "live: run {run} at {}\nhelp: watch it with python3 -c {}",
+        addresses.join(", "),
+        printable::shell_word(format!("import zenoh; {connect}; {watch}; {print}"))
     )
 }
 

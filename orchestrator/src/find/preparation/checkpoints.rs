@@ -5,6 +5,7 @@ use crate::run::run_options::RunOptions;
 use crate::run::run_spec::UnitSpec;
 use crate::run::step_loop::Checkpoint;
 use dsl::scenario::Scenario;
+use fmi2::printable;
 use results::checkpoint::{Identity, Saving};
 use results::run_record::{Continued, HashedFile, RunRecord, sha256};
 use std::path::{Path, PathBuf};
@@ -62,7 +63,7 @@ impl Candidate<'_> {
     }
 
     fn read(&self, file: &Path, identity: &Identity) -> Result<(Checkpoint, Continued), Refusal> {
-        let name = file.display().to_string();
+        let name = printable::path(file);
         let cannot = |why: &dyn std::fmt::Display, help: Option<&str>| {
             Refusal::new(&format!("cannot continue from {name}: {why}"), help)
         };
@@ -99,7 +100,7 @@ impl Candidate<'_> {
         }
         let folder = file.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
         if !folder.is_dir() || file.is_dir() {
-            let message = format!("cannot save {}: it is a folder, or lies in none", file.display());
+            let message = format!("cannot save {}: it is a folder, or lies in none", printable::path(file));
             return Err(Refusal::new(&message, Some("name a file in a folder that is there")));
         }
         Ok((tick, file.to_owned()))

@@ -1,28 +1,11 @@
-//! The text of units' log messages, and the failure of a stepping process that died.
+//! The failure of a stepping process that died.
 
 use dsl::scenario::Scenario;
-use results::shortest_decimal;
 use std::os::unix::process::ExitStatusExt;
 use std::process::ExitStatus;
 use unit::board::InCall;
 use unit::failure::{Cause, Doing, Failure};
-use unit::logger::LogMessage;
 use unit::time::seconds;
-
-/// A unit's message with instance and time.
-pub(super) fn log_line(message: &LogMessage, scenario: &Scenario) -> String {
-    let time = shortest_decimal(seconds(message.tick, scenario.step_ns));
-    let instance = message.instance.and_then(|instance| scenario.instances.get(instance));
-    let name = instance.map_or("-", |instance| instance.name.as_str());
-    let status = message.status_name();
-    format!("{time} s  {name}  {status}  {}", harmless(message.text.trim_end()))
-}
-
-/// Without the characters that would command the user's terminal.
-fn harmless(text: &str) -> String {
-    let commands = |letter: char| letter.is_control() && !['\n', '\t'].contains(&letter);
-    text.replace("\r\n", "\n").replace(commands, "\u{fffd}")
-}
 
 /// The failure of a process that was in this call, or in none, when it happened.
 #[must_use]
@@ -51,25 +34,6 @@ mod tests {
     use super::*;
     use crate::example::scenario;
     use fmi2::calls::Call;
-
-    #[test]
-    fn a_log_message_is_printed_with_time_instance_and_status() {
-        let line = |instance, status, text: &str| {
-            let message = LogMessage {
-                instance,
-                tick: 1234,
-                counts_at: 1235,
-                status,
-                category: String::new(),
-                text: text.into(),
-            };
-            log_line(&message, &scenario())
-        };
-        assert_eq!(line(Some(0), 1, "low battery: 7 %\n"), "12.34 s  quad  warning  low battery: 7 %");
-        assert_eq!(line(None, 0, "hello"), "12.34 s  -  info  hello");
-        assert_eq!(line(None, 0, "a\r\n\tb\x1b[2J\x07c"), "12.34 s  -  info  a\n\tb\u{fffd}[2J\u{fffd}c");
-        assert_eq!(line(Some(0), 77, "what?"), "12.34 s  quad  status 77  what?");
-    }
 
     #[test]
     fn a_process_that_dies_in_a_call_breaks_that_instance() {

@@ -106,6 +106,23 @@ fn a_format_that_writes_to_memory_is_refused() {
 }
 
 #[test]
+fn a_width_among_the_arguments_is_read_as_c_reads_it() {
+    let captured = capture("widths");
+    log!(captured, c"%*d|%-*d|%.*f|%.*s|", 4_i32, 1_i32, -3_i32, 2_i32, 2_i32, 0.5_f64, 3_i32, c"texts".as_ptr());
+    assert_eq!(captured.text(), "   1|2  |0.50|tex|");
+    let wide = 2_000_000_000_i32;
+    for format in [c"%*d", c"%-*d", c"%.*d"] {
+        log!(captured, format, wide, 1_i32);
+        assert!(captured.text().ends_with(" (format refused: a width beyond a million)"));
+    }
+    // The width is the seventh integer, so it is on the stack, behind reals in registers.
+    log!(captured, c"%d%g%d%g%d%*d", 1_i32, 0.5_f64, 2_i32, 0.5_f64, 3_i32, wide, 4_i32);
+    assert!(captured.text().ends_with("(format refused: a width beyond a million)"));
+    log!(captured, c"%d%g%d%g%d%*d", wide, 0.5_f64, 2_i32, 0.5_f64, 3_i32, 4_i32, wide);
+    assert_eq!(captured.text(), "20000000000.520.532000000000");
+}
+
+#[test]
 fn nulls_unknown_statuses_and_broken_utf8_become_a_message() {
     let captured = capture("odd");
     let handle = captured.registration.handle();

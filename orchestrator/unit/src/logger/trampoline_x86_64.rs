@@ -4,7 +4,8 @@
 //! instructions of assembly: they save the registers that may hold variable arguments, build a `va_list` for them on
 //! the stack as section 3.5.7 of the convention defines it, and pass its address to [`handle`] as the sixth argument.
 
-use super::{deliver, format};
+use super::deliver;
+use super::format::{self, Argument};
 use fmi2::c::{CallbackLogger, ComponentEnvironment, RawStatus, Str};
 use std::arch::naked_asm;
 use std::ffi::{CStr, c_char, c_int, c_void};
@@ -22,6 +23,39 @@ struct VaList {
     fp_offset: u32,
     overflow_arg_area: *mut c_void,
     reg_save_area: *mut c_void,
+}
+
+impl VaList {
+    /// The next argument, advanced past it, as section 3.5.7 of the convention defines it; 0 unless it is an integer.
+    ///
+    /// # Safety
+    /// The list has such an argument next.
+    unsafe fn next(&mut self, argument: Argument) -> c_int {
+        const GENERAL_END: u32 = 48;
+        const VECTOR_END: u32 = 176;
+        let (size, alignment) = match argument {
+            Argument::Integer if self.gp_offset < GENERAL_END => {
+                let offset = self.gp_offset as usize;
+                self.gp_offset += 8;
+                // SAFETY: the register save area holds the general registers up to offset 48.
+                return unsafe { self.reg_save_area.byte_add(offset).cast::<c_int>().read() };
+            }
+            Argument::Real if self.fp_offset < VECTOR_END => {
+                self.fp_offset += 16;
+                return 0;
+            }
+            Argument::Integer | Argument::Real => (8, 8),
+            Argument::LongReal => (16, 16),
+        };
+        let at = self.overflow_arg_area;
+        let at = at.wrapping_byte_add(at.cast::<u8>().align_offset(alignment));
+        self.overflow_arg_area = at.wrapping_byte_add(size);
+        match argument {
+            // SAFETY: guaranteed by the caller.
+            Argument::Integer => unsafe { at.cast::<c_int>().read() },
+            Argument::Real | Argument::LongReal => 0,
+        }
+    }
 }
 
 unsafe extern "C" {
@@ -87,7 +121,10 @@ unsafe extern "C" fn handle(
         }
         // SAFETY: guaranteed by the caller.
         let (message, arguments) = unsafe { (CStr::from_ptr(message), *arguments) };
-        format::fill(message, |buffer, length| {
+        let mut unread = arguments;
+        // SAFETY: the unit guarantees that the arguments match the format.
+        let read = |argument| unsafe { unread.next(argument) };
+        format::fill(message, read, |buffer, length| {
             // `vsnprintf` advances the list, and `fill` may call this twice: each call gets a copy.
             let mut arguments = arguments;
             // SAFETY: the buffer has this length; the unit guarantees that the arguments match the format.

@@ -1,0 +1,105 @@
+//! What units and files say is printed so that it cannot be taken for a line of the program, and repetitions are counted.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+use tests::foreign::Generic;
+use tests::program::{Said, run};
+
+const SCRIPT: &str = "scenario \"A unit that says much\"\nstep 1 ms\nstop 1 s\nfmu a = \"talker.fmu\"\n";
+const OUTPUT: &str = "<ScalarVariable name=\"y\" valueReference=\"0\" causality=\"output\"><Real/></ScalarVariable>";
+
+fn talker(variables: &str, code: &str) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    Generic { variables, code: &[("STEP_CODE", code)], ..Generic::default() }.pack(folder.path(), "talker");
+    fs::write(folder.path().join("a.scn"), SCRIPT).unwrap();
+    folder
+}
+
+/// The lines of standard error that are messages of units, equal in both placements.
+fn said(folder: &Path) -> Vec<String> {
+    let messages = |said: &Said| -> Vec<String> {
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        said.err.lines().filter(|line| !line.contains('%') || line.contains("  a  ")).map(str::to_owned).collect()
+    };
+    let together = messages(&run(folder, &["run", "a.scn"]));
+    assert_eq!(messages(&run(folder, &["run", "a.scn", "--isolate"])), together);
+    together
+}
+
+#[test]
+fn a_message_that_a_unit_repeats_is_printed_once_and_counted() {
+    let folder = talker(OUTPUT, "SAY(1, \"low battery\"); if (STEPS == 500) SAY(0, \"half\");");
+    let expected = [
+        "0 s  a  warning  low battery",
+        "0.499 s  a  info  half",
+        "0.999 s  a  warning  and 999 more like it until 0.999 s: low battery",
+    ];
+    assert_eq!(said(folder.path()), expected);
+}
+
+#[test]
+fn a_message_of_a_unit_forges_no_line_and_commands_no_terminal() {
+    let folder = talker(OUTPUT, "if (STEPS == 1) SAY(0, \"a\\nerror: forged\\r\\033[2J\\302\\233m\");");
+    assert_eq!(said(folder.path()), ["0 s  a  info  a", "  | error: forged\u{fffd}\u{fffd}[2J\u{fffd}m"]);
+}
+
+#[test]
+fn a_wide_field_among_the_arguments_of_a_message_keeps_nobody_waiting() {
+    let folder = talker(OUTPUT, "SAY(0, \"%*d|%.*f\", 2000000000, 1, 2000000000, 0.5);");
+    let lines = said(folder.path());
+    assert_eq!(lines[0], "0 s  a  info  %*d|%.*f (format refused: a width beyond a million)");
+    assert_eq!(lines.len(), 2, "{lines:?}");
+}
+
+#[test]
+fn a_name_in_a_description_forges_no_line_in_any_command() {
+    let forging = OUTPUT.replace("\"y\"", "\"y&#10;error: forged&#x9b;m\" description=\"b&#10;error: forged\"");
+    let folder = talker(&forging, "R[0] = T;");
+    fs::copy(folder.path().join("talker.fmu"), folder.path().join("b\nerror: forged\u{1b}[2J.fmu")).unwrap();
+    let script = format!("{SCRIPT}record a.'y error: forged\u{9b}m'\n");
+    fs::write(folder.path().join("a.scn"), &script).unwrap();
+    fs::write(folder.path().join("b\nerror: forged\u{1b}[2J.scn"), script).unwrap();
+    let check = |said: Said| {
+        let text = said.out + &said.err;
+        assert!(!text.lines().any(|line| line.starts_with("error: forged")), "{text}");
+        assert!(!text.contains(|letter: char| letter.is_control() && letter != '\n'), "{text:?}");
+    };
+    let commands = [
+        "describe talker.fmu",
+        "describe b\nerror: forged\u{1b}[2J.fmu",
+        "describe --units .",
+        "check talker.fmu",
+        "check a.scn -v",
+        "check b\nerror: forged\u{1b}[2J.scn",
+        "check b\nerror: forged\u{1b}[2J.fmu",
+        "run a.scn --out runs/a",
+        "run b\nerror: forged\u{1b}[2J.scn",
+        "run none\nerror: forged\u{1b}[2J.scn",
+        "simulate talker.fmu --out runs/b",
+        "simulate b\nerror: forged\u{1b}[2J.fmu",
+        "plot runs/a nothing",
+        "plot runs/b\nerror: forged\u{1b}[2J",
+        "diff runs/a runs/b",
+        "diff runs/a runs/none\nerror: forged\u{1b}[2J",
+    ];
+    for command in commands {
+        let words: Vec<_> = match command.split_once('\n') {
+            // Only the name has spaces.
+            Some((before, _)) => {
+                let (verb, _) = before.split_once(' ').unwrap();
+                let rest = &command[verb.len() + 1..];
+                match rest.split_once(' ').filter(|(first, _)| !first.contains('\n')) {
+                    Some((first, second)) => vec![verb, first, second],
+                    None => vec![verb, rest],
+                }
+            }
+            None => command.split(' ').collect(),
+        };
+        check(run(folder.path(), &words));
+    }
+    assert!(
+        folder.path().join("runs/a/trace.parquet").is_file() && folder.path().join("runs/b/trace.parquet").is_file()
+    );
+}
