@@ -333,9 +333,7 @@ impl Instance {
 
     /// Logs a warning about this instance beside its own messages.
     pub fn log_warning(&self, now: &Now<'_>, text: String) {
-        let (status, category) = (Status::Warning as RawStatus, "logStatusWarning".to_owned());
-        let (instance, tick, counts_at) = (Some(self.index), now.tick, now.counts_at);
-        (self.rest.status_log.sink)(LogMessage { instance, tick, counts_at, status, category, text });
+        (self.rest.status_log.sink)(LogMessage::warning(self.index, now.tick, now.counts_at, text));
     }
 
     fn failure(&self, now: &Now<'_>, call: Call, cause: Cause) -> Failure {

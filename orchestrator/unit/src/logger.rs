@@ -41,6 +41,13 @@ pub struct LogMessage {
 }
 
 impl LogMessage {
+    /// A warning about an instance beside its own messages, which is shown in the order of `counts_at`.
+    #[must_use]
+    pub fn warning(instance: usize, tick: u64, counts_at: u64, text: String) -> Self {
+        let (status, category) = (Status::Warning as RawStatus, "logStatusWarning".to_owned());
+        Self { instance: Some(instance), tick, counts_at, status, category, text }
+    }
+
     /// The status as it is shown to users.
     #[must_use]
     pub fn status_name(&self) -> String {
