@@ -144,3 +144,74 @@ fn a_declared_name_without_definition_is_warned_of_and_takes_numbers_of_that_nam
     assert!(said.code == Some(0) && !said.err.contains("warning[W"), "{}", said.err);
     assert_eq!(last_row(folder.path()), "2,10,18");
 }
+
+const LIMITED: &str = r#"
+    <ScalarVariable name="u" valueReference="0" causality="input"><Real min="-1" max="3" start="0"/></ScalarVariable>
+    <ScalarVariable name="mode" valueReference="0" causality="input" variability="discrete"><Enumeration declaredType="Mode" start="1"/></ScalarVariable>
+    <ScalarVariable name="part" valueReference="1" causality="parameter" variability="tunable" initial="exact"><Real declaredType="Part" start="1"/></ScalarVariable>
+    <ScalarVariable name="x" valueReference="2" causality="output" initial="exact"><Real start="0"/></ScalarVariable>
+    <ScalarVariable name="n" valueReference="1" causality="output" variability="discrete" initial="exact"><Integer start="1"/></ScalarVariable>"#;
+
+fn pack_limited(folder: &Path) {
+    let definitions = r#"<TypeDefinitions>
+        <SimpleType name="Part"><Real min="0" max="10"/></SimpleType>
+        <SimpleType name="Mode"><Enumeration><Item name="on" value="1"/><Item name="off" value="-3"/></Enumeration></SimpleType>
+      </TypeDefinitions>"#;
+    let code = [("INSTANTIATE_CODE", "I[0]=I[1]=1;R[1]=1;"), ("STEP_CODE", "R[2]+=2;I[1]=STEPS<2?1:2;")];
+    Generic { definitions, variables: LIMITED, code: &code, ..Generic::default() }.pack(folder, "limited");
+}
+
+#[test]
+fn a_value_that_the_description_does_not_allow_is_an_error_before_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    pack_limited(folder.path());
+    std::fs::write(folder.path().join("in.csv"), "time,u\n0,0\n1,4\n").unwrap();
+    std::fs::write(folder.path().join("mode.csv"), "time,mode\n0,5\n").unwrap();
+    let lines = [
+        "fmu a = \"limited.fmu\" { part = 100 }",
+        "fmu a = \"limited.fmu\"\nat 1 s { set a.part = -50 }",
+        "fmu a = \"limited.fmu\"\n4 -> a.u",
+        "param p = 11\nfmu a = \"limited.fmu\" { part = p }",
+    ];
+    for lines in lines {
+        script(folder.path(), lines);
+        let said = run(folder.path(), &["check", "a.scn"]);
+        assert!(said.code == Some(2) && said.out.contains("its description says m"), "{}\n{}", said.out, said.err);
+    }
+    script(folder.path(), "param p = 1\nfmu a = \"limited.fmu\" { part = p }");
+    let said = run(folder.path(), &["run", "a.scn", "--set", "p = 11"]);
+    assert!(said.code == Some(2) && said.err.contains("`a.part` cannot be 11"), "{}", said.err);
+    let simulations: [(&[&str], &str); 4] = [
+        (&["--set", "part = 100"], "`part` cannot be 100"),
+        (&["--set", "mode = 5"], "`mode` cannot be 5"),
+        (&["--input", "in.csv"], "in.csv:1:6: `u` cannot be 4 at 1 s"),
+        (&["--input", "mode.csv"], "mode.csv:1:6: `mode` cannot be 5 at 0 s"),
+    ];
+    for (options, expected) in simulations {
+        let said = run(folder.path(), &[&["simulate", "limited.fmu", "--step", "1", "--stop", "1"], options].concat());
+        assert!(said.code == Some(2) && said.err.contains(expected), "{options:?}: {}", said.err);
+    }
+}
+
+#[test]
+fn a_value_that_comes_during_the_run_is_warned_of_once() {
+    let folder = tempfile::tempdir().unwrap();
+    pack_limited(folder.path());
+    let lines = "fmu a = \"limited.fmu\"\nfmu b = \"limited.fmu\"\nfmu c = \"limited.fmu\"\na.x -> b.u\na.n => b.mode\n\
+                 a.x - 5 -> c.u\nat 1 s { set c.part = a.x * 8 }\nrecord b.u, b.mode, c.part";
+    script(folder.path(), lines);
+    let text = std::fs::read_to_string(folder.path().join("a.scn")).unwrap().replace("stop 2 s", "stop 4 s");
+    std::fs::write(folder.path().join("a.scn"), text).unwrap();
+    for placement in PLACEMENTS {
+        let said = lockstep(folder.path(), &["run", "a.scn", "--out", "out"], placement);
+        assert_eq!((said.code, last_row(folder.path()).as_str()), (Some(0), "4,6,2,48"), "{}", said.err);
+        let warnings: Vec<_> = said.err.lines().filter(|line| line.contains("description says")).collect();
+        let expected = [
+            "0 s  c  warning  `c.u` gets -5, and its description says min -1 and max 3 (said once)",
+            "1 s  b  warning  `b.mode` gets 2, and its description says the items 1, -3 (said once)",
+            "1 s  c  warning  `c.part` gets 16, and its description says min 0 and max 10 (said once)",
+            "2 s  b  warning  `b.u` gets 4, and its description says min -1 and max 3 (said once)",
+        ];
+        assert_eq!(warnings, expected, "{}", said.err);
+    }
+}

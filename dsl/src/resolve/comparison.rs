@@ -1,5 +1,7 @@
 //! Comparisons and chains of them.
 
+use std::collections::BTreeSet;
+
 use super::arithmetic::{Pair, is_vector};
 use super::meaning::{Bound, Condition, Meaning, Measure, Origin, Real, Text};
 use super::measure::si_name;
@@ -209,11 +211,11 @@ impl Scope<'_, '_> {
         }
     }
 
-    /// Whether two enumerations have the same items.
+    /// Whether two enumerations have items of the same names and values, in whatever order.
     pub fn same_items(&self, left: Port, right: Port) -> bool {
         let items = |port: Port| {
             let items = self.known(port.instance).items_of(port.variable).iter();
-            items.map(|item| (item.name.as_str(), item.value)).collect::<Vec<_>>()
+            items.map(|item| (item.name.as_str(), item.value)).collect::<BTreeSet<_>>()
         };
         items(left) == items(right)
     }

@@ -81,8 +81,9 @@ impl Scope<'_, '_> {
 
     fn set(&self, target: &Path, value: &Expression) -> Vec<Set> {
         let at = Meeting { source: value.span, target: target.span, arrow: None };
-        let meaning = self.evaluate(value);
-        let signal = self.signal(target).and_then(|signal| self.touchable(Role::Set, signal, at));
+        let signal = self.signal(target);
+        let meaning = self.evaluate_for(value, signal.as_ref());
+        let signal = signal.and_then(|signal| self.touchable(Role::Set, signal, at));
         let assigned = match (meaning, signal) {
             (Some(meaning), Some(signal)) => self.assigned_ports(&meaning, &signal, at),
             _ => None,

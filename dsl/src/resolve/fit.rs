@@ -1,5 +1,7 @@
 //! Brings a value to the type and unit of the variable that takes it.
 
+use std::rc::Rc;
+
 use fmi2::description::Kind;
 use fmi2::units::Dimension;
 
@@ -7,10 +9,12 @@ use super::meaning::{Condition, Meaning, Measure, Origin, Real, Text};
 use super::measure::{quantity, si_name};
 use super::real;
 use super::scope::Scope;
+use super::signal::Signal;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::{listed, nearest};
 use crate::scenario::{BooleanExpression, Drive, Port, RealExpression};
 use crate::source::{FileRef, Span};
+use crate::syntax::{Expression, ExpressionKind};
 
 /// A value in the type and unit of its target.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +42,8 @@ impl Scope<'_, '_> {
         let drive = match (&self.variable(target).kind, value) {
             (Kind::Real(_), Meaning::Real(value)) => self.fit_real(value, target, at)?,
             (Kind::Real(_), Meaning::Integer(port)) => Drive::Real(RealExpression::Signal(*port)),
-            (Kind::Integer { .. }, Meaning::Integer(port)) => Drive::Copy(*port),
+            // A run checks that an Integer is the value of an item.
+            (Kind::Integer { .. } | Kind::Enumeration { .. }, Meaning::Integer(port)) => Drive::Copy(*port),
             (Kind::Integer { .. }, Meaning::Real(value)) => Drive::Integer(self.fit_integer(value, target, at)?),
             (Kind::Boolean { .. }, Meaning::Condition(Condition::Plain(BooleanExpression::Signal(port)))) => {
                 Drive::Copy(*port)
@@ -50,10 +55,9 @@ impl Scope<'_, '_> {
             (Kind::Enumeration { .. }, Meaning::Item(port)) => {
                 let message =
                     format!("`{}` and `{}` have different items", self.port_name(*port), self.port_name(target));
-                let error = Diagnostic::error("E21", at.source, message).saying(self.items(*port));
-                return self.refuse(
-                    error.label(at.target, self.items(target)).help("compare and compute instead: `x == \"item\"`"),
-                );
+                let error = Diagnostic::error("E21", at.source, message).saying(self.items_with_values(*port));
+                let error = error.label(at.target, self.items_with_values(target));
+                return self.refuse(error.help("compare and compute instead: `x == \"item\"`"));
             }
             (Kind::Enumeration { .. }, Meaning::Text(Text::Literal(name))) => {
                 Drive::Integer(self.item(target, name, at.source)?)
@@ -63,6 +67,7 @@ impl Scope<'_, '_> {
             (Kind::String { .. }, Meaning::Text(Text::Port(port))) => Drive::Copy(*port),
             (_, value) => return self.refuse(self.types_differ(value, target, at)),
         };
+        self.check_limits(&drive, target, at)?;
         Some(Fitted::Drive(drive))
     }
 
@@ -137,6 +142,25 @@ impl Scope<'_, '_> {
         Some(number as i32)
     }
 
+    /// What a value means that goes to this signal: the bare name of an item is refused as one.
+    pub fn evaluate_for(&self, value: &Expression, target: Option<&Signal>) -> Option<Rc<Meaning>> {
+        let (ExpressionKind::Path(path), Some(Signal::One(port))) = (&value.kind, target) else {
+            return self.evaluate(value);
+        };
+        let is_enumeration = matches!(self.variable(*port).kind, Kind::Enumeration { .. });
+        let is_known = self.look_up(&path.root.text).is_some() || ["time", "pi", "seed"].contains(&&*path.root.text);
+        if !is_enumeration || is_known || !path.tail.is_empty() {
+            return self.evaluate(value);
+        }
+        let items = self.known(port.instance).items_of(port.variable).iter().map(|item| item.name.as_str());
+        let message = format!("`{}` takes an item in quotes", self.port_name(*port));
+        let error = Diagnostic::error("E34", value.span, message);
+        self.refuse(match nearest(&path.root.text, items) {
+            Some(near) => error.help(format!("write `\"{near}\"`")),
+            None => error.help(format!("its items are {}", self.items(*port))),
+        })
+    }
+
     /// The value of an enumeration's item.
     pub fn item(&self, port: Port, name: &str, span: Span) -> Option<i32> {
         let items = self.known(port.instance).items_of(port.variable);
@@ -158,6 +182,14 @@ impl Scope<'_, '_> {
     fn items(&self, port: Port) -> String {
         let items = self.known(port.instance).items_of(port.variable);
         listed(items.iter().map(|item| item.name.as_str()))
+    }
+
+    /// The items in order of their values.
+    fn items_with_values(&self, port: Port) -> String {
+        let mut items: Vec<_> = self.known(port.instance).items_of(port.variable).iter().collect();
+        items.sort_by_key(|item| item.value);
+        let items = items.iter().map(|item| format!("`{}` = {}", item.name, item.value));
+        items.collect::<Vec<_>>().join(", ")
     }
 
     fn types_differ(&self, value: &Meaning, target: Port, at: Meeting<'_>) -> Diagnostic {

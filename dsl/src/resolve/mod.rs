@@ -67,6 +67,7 @@ mod function;
 mod grid;
 mod initial;
 mod library;
+mod limits;
 mod literal;
 mod meaning;
 mod measure;

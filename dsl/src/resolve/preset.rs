@@ -39,10 +39,10 @@ impl Scope<'_, '_> {
 
     fn preset(&self, instance: usize, value: &syntax::Value) -> Option<Vec<Preset>> {
         let scope = self.at(self.script.instances[instance].frame);
-        let meaning = scope.evaluate(&value.value);
         let at = Meeting { source: value.value.span, target: value.key.span, arrow: None };
         let tail = std::iter::once(syntax::Segment::Field(value.key.root.clone())).chain(value.key.tail.clone());
         let signal = scope.walk(instance, String::new(), &tail.collect::<Vec<_>>(), &value.key);
+        let meaning = scope.evaluate_for(&value.value, signal.as_ref());
         let signal = self.touchable(Role::Preset, signal?, at);
         let (meaning, signal) = (meaning?, signal?);
         if !meaning.is_constant() {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Deref;
 use std::sync::Arc;
 
-use fmi2::description::{Item, Kind, ModelDescription, TypeKind, UnitDefinition, Unknown};
+use fmi2::description::{Item, Kind, Limits, ModelDescription, TypeKind, UnitDefinition, Unknown};
 use fmi2::units::BaseUnit;
 
 /// A description and the order of its names. Of equal names the first one counts.
@@ -118,6 +118,11 @@ impl Unit {
     /// Whether the unit of measure of a variable is defined with an offset, which does not apply to differences.
     pub fn has_offset(&self, variable: usize) -> bool {
         self.defined_base(variable).is_some_and(|base| base.offset != 0.0)
+    }
+
+    /// As [`ModelDescription::limits_of`].
+    pub fn limits_of(&self, variable: usize) -> Limits {
+        Limits::of(&self.description.variables[variable], self.declared_type(variable))
     }
 
     /// As [`ModelDescription::items_of`].

@@ -11,7 +11,7 @@
 #[expect(dead_code, reason = "shared with the other benchmarks")]
 mod peer;
 
-use flatten::wiring::Plan;
+use flatten::wiring::{InputLimits, Plan};
 use orchestrator::run::run_options::RunOptions;
 use orchestrator::run::start_values::StartValues;
 use orchestrator::run::step_loop::{Checkpoint, Observer, StepLoop};
@@ -85,5 +85,6 @@ impl Observer for BoardOnly<'_> {
     fn checkpoint(&mut self, _: &Checkpoint) -> Result<(), String> {
         Ok(())
     }
+    fn missed_limits(&mut self, _: &InputLimits, _: f64, _: u64) {}
     fn claim(&mut self, _: usize, _: Standing) {}
 }

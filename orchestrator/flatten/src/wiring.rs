@@ -8,6 +8,7 @@ mod events;
 mod feed;
 mod groups;
 mod initial;
+mod limits;
 mod row_layout;
 mod slot_table;
 
@@ -15,6 +16,7 @@ pub use events::{Change, Effect, Override, OverrideState, Overrides};
 pub use feed::{Computed, CopyRange, Feed};
 pub use groups::Group;
 pub use initial::InitialCall;
+pub use limits::{InputLimits, LimitChecks};
 pub use row_layout::RowLayout;
 pub use slot_table::{InstancePorts, Ports, VariableRange, VariableSlot};
 
@@ -49,6 +51,8 @@ pub struct Plan {
     pub direct: Vec<Feed>,
     /// The inputs that a `set` can override.
     pub overrides: Overrides,
+    /// The inputs whose values can miss the limits that their units declare.
+    pub limits: LimitChecks,
     /// The calls of initialization, in their order.
     pub initialization: Vec<InitialCall>,
     /// The conditions of `rises`.
@@ -77,6 +81,8 @@ pub struct Wave {
     pub is_fed: bool,
     /// Whether a `=>` ever reads an output of one of them in the tick in which its step is ordered.
     pub is_read: bool,
+    /// Whether an input of one of them has limits.
+    pub is_limited: bool,
 }
 
 /// The names of an instance and its outputs in messages.
@@ -114,16 +120,18 @@ impl Plan {
             by_group.iter().map(|connections| Feed::new(connections, &table)).collect()
         });
         let overrides = Overrides::new(scenario, &groups, &table);
+        let limits = LimitChecks::new(scenario, descriptions, groups.len(), &table);
         let wave = |range: Range<usize>| Wave {
             is_fed: range.clone().any(|group| !direct[group].is_empty() || !overrides.of_group[group].is_empty()),
             is_read: groups[range.clone()].iter().any(|group| !group.read_every.is_empty()),
+            is_limited: limits.of_group[range.clone()].iter().any(|checks| !checks.is_empty()),
             groups: range,
         };
         let waves: Vec<_> = waves.into_iter().map(wave).collect();
         let shared = scenario.shared.iter();
         let shared: Vec<_> = shared.map(|value| Program::compile_real(value, &mut |port| table.read(port))).collect();
         let shared_of_wave = waves.iter().map(|wave| used(&shared, &direct[wave.groups.clone()])).collect();
-        let initialization = initial::calls(scenario, descriptions, &table, &shared, worker_of);
+        let initialization = initial::calls(scenario, descriptions, (&table, &limits), &shared, worker_of);
         let ports = table.take_ports();
         let rises = scenario.conditions.iter();
         let rises =
@@ -141,6 +149,7 @@ impl Plan {
             delayed,
             direct,
             overrides,
+            limits,
             initialization,
             rises,
             shared,

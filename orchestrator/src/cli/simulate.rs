@@ -88,7 +88,7 @@ impl Simulate {
         if let Some(note) = &experiment.note {
             report::status(note);
         }
-        let script = alone.script(&experiment, &self.set, curves, &catalogue);
+        let script = alone.script(&experiment, &self.set, curves, &catalogue)?;
         // Not the folder of a script of the same name.
         let folder = || Path::new("runs").join(format!("{}-alone", alone.name()));
         let out = self.out.clone().unwrap_or_else(folder);

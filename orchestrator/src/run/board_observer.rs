@@ -5,9 +5,12 @@ use crate::run::message::{Message, MessageSink};
 use crate::run::run_spec::SaveSpec;
 use crate::run::step_loop::{Checkpoint, Observer};
 use fmi2::printable;
+use flatten::wiring::InputLimits;
+use results::shortest_decimal;
 use results::verdict::Standing;
 use std::sync::Arc;
 use unit::board::{Board, ClaimNote, RowWriter};
+use unit::logger::LogMessage;
 
 /// Writes rows, claims and checkpoints of a run.
 pub struct BoardObserver<'a> {
@@ -55,6 +58,15 @@ impl Observer for BoardObserver<'_> {
         }
         message(self.board, &Message::Saved(checkpoint.tick));
         Ok(())
+    }
+
+    #[cold]
+    fn missed_limits(&mut self, input: &InputLimits, value: f64, tick: u64) {
+        let InputLimits { name, unit, limits, .. } = input;
+        let space = if unit.is_empty() { "" } else { " " };
+        let value = shortest_decimal(value);
+        let text = format!("`{name}` gets {value}{space}{unit}, and its description says {limits} (said once)");
+        message(self.board, &Message::Log(LogMessage::warning(input.port.instance, (tick, tick), text)));
     }
 
     fn claim(&mut self, claim: usize, standing: Standing) {

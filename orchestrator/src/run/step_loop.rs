@@ -138,9 +138,12 @@ impl<'a, W: Observer> StepLoop<'a, W> {
 
     /// A wave: all orders go out before the first reply is awaited. A finish means that this tick is the last.
     fn step(&mut self, wave: usize, tick: u64, time_s: f64) -> Result<Option<Finish>, Failure> {
-        let Wave { groups, is_fed, is_read } = self.plan.waves[wave].clone();
+        let Wave { groups, is_fed, is_read, is_limited } = self.plan.waves[wave].clone();
         if is_fed {
             self.feed(wave, groups.clone(), tick, time_s);
+        }
+        if is_limited {
+            self.check_limits(groups.clone(), tick);
         }
         for index in groups.clone() {
             let group = &self.plan.groups[index];
@@ -176,6 +179,19 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             for &target in &plan.overrides.of_group[group] {
                 plan.overrides.all[target].bring(overrides[target], &visible, stack, initial_inputs, inputs);
             }
+        }
+    }
+
+    /// Reports inputs whose values are not allowed, each once in a run.
+    fn check_limits(&mut self, groups: Range<usize>, tick: u64) {
+        let Self { plan, state, observer, .. } = self;
+        let State { unreported, inputs, .. } = state;
+        for group in groups.filter(|&group| plan.groups[group].is_due(tick)) {
+            unreported[group].retain(|&index| {
+                let input = &plan.limits.all[index];
+                let missed = input.missed(inputs);
+                missed.inspect(|&value| observer.missed_limits(input, value, tick)).is_none()
+            });
         }
     }
 

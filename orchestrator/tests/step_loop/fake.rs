@@ -5,7 +5,7 @@ use dsl::scenario::{
     Unit,
 };
 use flatten::values::Values;
-use flatten::wiring::{InstancePorts, Plan, VariableSlot};
+use flatten::wiring::{InputLimits, InstancePorts, Plan, VariableSlot};
 use fmi2::calls::Call;
 use fmi2::description::{Causality, Kind, ModelDescription, RealAttributes, RealVariable, Variability, Variable};
 use orchestrator::run::message::Finish;
@@ -232,6 +232,7 @@ impl Observer for &mut Seen {
         self.checkpoints.push(checkpoint.clone());
         Ok(())
     }
+    fn missed_limits(&mut self, _: &InputLimits, _: f64, _: u64) {}
     fn claim(&mut self, claim: usize, standing: Standing) {
         self.standings[claim] = Some(standing);
     }

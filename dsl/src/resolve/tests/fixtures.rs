@@ -105,6 +105,19 @@ const TANK: &str = "
     input continuous Real u gal start=0
     output continuous Real w gal initial=exact start=1";
 
+/// Variables with limits.
+const LIMITED: &str = "
+    parameter tunable Real part - min=0 max=10 start=1
+    parameter fixed Real angle deg min=-90 max=90 start=0
+    parameter fixed Integer count - min=1 start=1
+    parameter fixed Enumeration method Mode max=2 start=1
+    input continuous Real level m min=0.5 start=1
+    input discrete Enumeration mode Mode start=1
+    input discrete Enumeration turned Turned start=1
+    input discrete Enumeration moved Moved start=1
+    output discrete Integer number - initial=exact start=1
+    output discrete Enumeration now Mode initial=exact start=1";
+
 const UNITS: &str = r#"<UnitDefinitions>
     <Unit name="m"><BaseUnit m="1"/></Unit> <Unit name="1"><BaseUnit/></Unit>
     <Unit name="m/s"><BaseUnit m="1" s="-1"/></Unit> <Unit name="kg"><BaseUnit kg="1"/></Unit>
@@ -120,6 +133,10 @@ const UNITS: &str = r#"<UnitDefinitions>
   </UnitDefinitions>
   <TypeDefinitions><SimpleType name="Mode"><Enumeration>
     <Item name="idle" value="1"/><Item name="hover" value="2"/><Item name="land" value="5"/>
+  </Enumeration></SimpleType><SimpleType name="Turned"><Enumeration>
+    <Item name="land" value="5"/><Item name="idle" value="1"/><Item name="hover" value="2"/>
+  </Enumeration></SimpleType><SimpleType name="Moved"><Enumeration>
+    <Item name="idle" value="1"/><Item name="hover" value="3"/><Item name="land" value="5"/>
   </Enumeration></SimpleType></TypeDefinitions>"#;
 
 /// A description out of one line for each variable: causality, variability, type, name, unit or type name, and
@@ -183,6 +200,7 @@ impl Loader for Memory {
             "wind" => WIND,
             "heater" => HEATER,
             "undefined" => UNDEFINED,
+            "limited" => LIMITED,
             "us" | "uk" => {
                 let factor = if name == "us" { "0.003785411784" } else { "0.00454609" };
                 let gallon = format!("<Unit name='gal'><BaseUnit m='3' factor='{factor}'/></Unit>");

@@ -5,6 +5,7 @@ mod connections;
 mod differences;
 mod fixtures;
 mod initial;
+mod limits;
 mod loader;
 mod meaning;
 mod measures;

@@ -4,7 +4,7 @@ use super::fixtures::{flight, shown};
 
 #[test]
 fn types_have_to_be_equal() {
-    let lines = "ctrl.thrust -> ctrl.armed\nctrl.thrust -> ctrl.count\nquad.landed -> quad.moment\n\"x\" -> ctrl.raw\nctrl.events -> ctrl.mode";
+    let lines = "ctrl.thrust -> ctrl.armed\nctrl.thrust -> ctrl.count\nquad.landed -> quad.moment\n\"x\" -> ctrl.raw";
     insta::assert_snapshot!(shown(&flight(lines)), @r#"
     error[E21]: `ctrl.armed` takes a Boolean, found a number
      --> test.scn:7:1
@@ -45,16 +45,6 @@ fn types_have_to_be_equal() {
        | gives a text
        |
        = help: types have to be equal; only an Integer widens to a Real
-
-    error[E21]: `ctrl.mode` takes an Enumeration, found an Integer
-      --> test.scn:11:1
-       |
-    11 | ctrl.events -> ctrl.mode
-       | ^^^^^^^^^^^    --------- takes an Enumeration
-       | |
-       | gives an Integer
-       |
-       = help: it takes one of `idle`, `hover` and `land` in quotes
     "#);
 }
 

@@ -6,6 +6,7 @@
 mod causality;
 pub mod check;
 mod finding;
+mod limits;
 pub mod read;
 mod simple_type;
 mod structure;
@@ -15,6 +16,7 @@ pub mod write;
 
 pub use causality::{Causality, Initial, Variability, default_initial};
 pub use finding::{Finding, Position, Severity};
+pub use limits::Limits;
 use serde::{Deserialize, Serialize};
 pub use simple_type::{Item, RealAttributes, SimpleType, TypeKind};
 pub use structure::{DependencyKind, ModelStructure, Unknown};

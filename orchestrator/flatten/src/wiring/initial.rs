@@ -1,6 +1,7 @@
 //! The calls of initialization.
 
 use super::feed::Feed;
+use super::limits::LimitChecks;
 use super::slot_table::{SlotTable, VariableSlot};
 use super::used;
 use crate::expression::Program;
@@ -23,6 +24,8 @@ pub enum InitialCall {
         shared: Vec<usize>,
         /// The inputs.
         slots: Vec<VariableSlot>,
+        /// Those of them that have limits, as indices into [`LimitChecks::all`].
+        limited: Vec<usize>,
     },
     /// Reads these variables of one instance.
     Get {
@@ -48,12 +51,13 @@ pub enum InitialCall {
 pub(super) fn calls(
     scenario: &Scenario,
     descriptions: &[&ModelDescription],
-    table: &SlotTable,
+    (table, limits): (&SlotTable, &LimitChecks),
     shared: &[Program],
     worker_of: &[usize],
 ) -> Vec<InitialCall> {
     let along_connections = scenario.initialization.iter();
-    let along_connections = along_connections.map(|step| initial_call(step, scenario, table, shared, worker_of));
+    let along_connections =
+        along_connections.map(|step| initial_call(step, scenario, (table, limits), shared, worker_of));
     let mut unknown: BTreeMap<usize, Vec<VariableSlot>> = BTreeMap::new();
     for port in unknown_inputs(scenario, descriptions, table) {
         unknown.entry(port.instance).or_default().push(table.input_slot(port));
@@ -84,17 +88,18 @@ fn unknown_inputs(scenario: &Scenario, descriptions: &[&ModelDescription], table
 fn initial_call(
     step: &InitialStep,
     scenario: &Scenario,
-    table: &SlotTable,
+    (table, limits): (&SlotTable, &LimitChecks),
     shared: &[Program],
     worker_of: &[usize],
 ) -> InitialCall {
     match step {
         InitialStep::Set { instance, connections } => {
             let connections: Vec<_> = connections.iter().map(|&index| &scenario.connections[index]).collect();
-            let slots = connections.iter().map(|connection| table.input_slot(connection.target)).collect();
+            let slots: Vec<_> = connections.iter().map(|connection| table.input_slot(connection.target)).collect();
+            let limited = limits.among(&slots);
             let feed = Feed::new(&connections, table);
             let shared = used(shared, std::slice::from_ref(&feed));
-            InitialCall::Set { worker: worker_of[*instance], instance: *instance, feed, shared, slots }
+            InitialCall::Set { worker: worker_of[*instance], instance: *instance, feed, shared, slots, limited }
         }
         InitialStep::Get { instance, variables } => {
             let port = |&variable| Port { instance: *instance, variable };

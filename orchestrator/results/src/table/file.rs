@@ -147,7 +147,7 @@ impl TableFile {
     ///
     /// # Errors
     /// A row does not fit the names, a cell does not fit its column's type, or time decreases.
-    pub fn read(mut self, types: &[CellType], gaps: bool) -> Result<Columns, TableError> {
+    pub fn read(&mut self, types: &[CellType], gaps: bool) -> Result<Columns, TableError> {
         let rows = Rows { headings: &self.headings, types, gaps, time_unit: &self.time_unit };
         let read = match &mut self.content {
             Content::Text(sheet) => rows.of_text(sheet),

@@ -37,13 +37,16 @@ impl Alone {
     }
 
     /// The script, with its meaning: start values are set, curves drive their inputs, every port is recorded.
+    ///
+    /// # Errors
+    /// A start value that the description does not allow.
     pub fn script(
         &self,
         experiment: &Experiment,
         settings: &[String],
         curves: Curves,
         catalogue: &Catalogue,
-    ) -> Script {
+    ) -> Result<Script, Refusal> {
         let mut presets = Vec::new();
         let mut others = Vec::new();
         for setting in settings {
@@ -51,6 +54,9 @@ impl Alone {
                 Some(preset) => presets.push(preset),
                 None => others.push(setting.as_str()),
             }
+        }
+        if let Some(wrong) = start_values::missed_limits(&presets, &self.description) {
+            return Err(Refusal::new(&format!("--set: {wrong}"), Some("write a value within these limits")));
         }
         let text = self.text(experiment, &others);
         let mut script = Script::of_text("lockstep simulate".to_owned(), PathBuf::from("."), text, &[], catalogue);
@@ -60,7 +66,7 @@ impl Alone {
         if let Some(scenario) = &mut script.scenario {
             self.complete(scenario, presets, curves);
         }
-        script
+        Ok(script)
     }
 
     fn text(&self, experiment: &Experiment, settings: &[&str]) -> String {
@@ -133,7 +139,7 @@ pub(super) mod tests {
     <SimpleType name="Mode"><Enumeration><Item name="Fill" value="1"/><Item name="Drain" value="2"/></Enumeration></SimpleType>
   </TypeDefinitions>
   <ModelVariables>
-    <ScalarVariable name="area" valueReference="0" causality="parameter" variability="fixed"><Real unit="m2" start="1"/></ScalarVariable>
+    <ScalarVariable name="area" valueReference="0" causality="parameter" variability="fixed"><Real unit="m2" min="0.5" start="1"/></ScalarVariable>
     <ScalarVariable name="inflow" valueReference="1" causality="input"><Real start="0"/></ScalarVariable>
     <ScalarVariable name="mode" valueReference="0" causality="input" variability="discrete"><Enumeration declaredType="Mode" start="1"/></ScalarVariable>
     <ScalarVariable name="open" valueReference="0" causality="input" variability="discrete"><Boolean start="true"/></ScalarVariable>
@@ -162,7 +168,7 @@ pub(super) mod tests {
         let catalogue = Catalogue::new(vec![folder.path().to_owned()], folder.path(), false).unwrap();
         let alone = Alone::find("tank", &catalogue).unwrap();
         let settings: Vec<_> = settings.iter().map(|&setting| setting.to_owned()).collect();
-        alone.script(&Experiment { stop_s: 2.0, step_s: 0.01, note: None }, &settings, curves, &catalogue)
+        alone.script(&Experiment { stop_s: 2.0, step_s: 0.01, note: None }, &settings, curves, &catalogue).unwrap()
     }
 
     #[test]

@@ -24,7 +24,7 @@ struct Driven {
 /// # Errors
 /// The first thing that is wrong, with its line and column.
 pub(super) fn read(path: &Path, bytes: Vec<u8>, description: &ModelDescription) -> Result<Curves, TableError> {
-    let file = TableFile::of_bytes(path, bytes)?;
+    let mut file = TableFile::of_bytes(path, bytes)?;
     let driven = driven(&file, description)?;
     let types: Vec<_> = driven.iter().map(|driven| cell_type(driven.variable, description)).collect();
     let no_rows = file.wrong_heading(0, "the file has names, but no rows".to_owned());
@@ -33,12 +33,18 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>, description: &ModelDescription) 
     let Some((time_s, values)) = numbers.split_first().filter(|(time_s, _)| !time_s.is_empty()) else {
         return Err(no_rows);
     };
-    let curve = |(driven, values): (&Driven, &Vec<f64>)| {
-        let rows =
-            time_s.iter().zip(values).map(|(&time_s, &value)| (time_s, driven.conversion.apply(value))).collect();
-        (driven.variable, Curve { rows, held: is_held(&description.variables[driven.variable]) })
+    let curve = |(index, driven): (usize, &Driven)| {
+        let values = time_s.iter().zip(&values[index]);
+        let rows: Vec<_> = values.map(|(&time_s, &value)| (time_s, driven.conversion.apply(value))).collect();
+        let variable = &description.variables[driven.variable];
+        let limits = description.limits_of(variable);
+        if let Some((time_s, value)) = rows.iter().find(|(_, value)| !limits.allow(*value)) {
+            let message = format!("`{}` cannot be {value} at {time_s} s: its description says {limits}", variable.name);
+            return Err(file.wrong_heading(index + 1, message));
+        }
+        Ok((driven.variable, Curve { rows, held: is_held(variable) }))
     };
-    let mut curves: Curves = driven.iter().zip(values).map(curve).collect();
+    let mut curves: Curves = driven.iter().enumerate().map(curve).collect::<Result<_, _>>()?;
     curves.sort_by_key(|(variable, _)| *variable);
     Ok(curves)
 }
@@ -240,6 +246,7 @@ mod tests {
             "time,inflow\n0,TRUE\n",
             "time,inflow,mode\n0,1,Spill\n",
             "time,inflow,open\n0,,1\n",
+            "time,inflow,mode\n0,1,2\n1,1,3\n",
         ];
         insta::assert_snapshot!(texts.map(wrong).concat());
     }

@@ -13,6 +13,21 @@ pub(super) fn bare(setting: &str, description: &ModelDescription) -> Option<Pres
     Some(Preset { variable: index, value })
 }
 
+/// The first of these presets that the description does not allow: what is wrong with it.
+pub(super) fn missed_limits(presets: &[Preset], description: &ModelDescription) -> Option<String> {
+    presets.iter().find_map(|preset| {
+        let variable = &description.variables[preset.variable];
+        let value = match preset.value {
+            Value::Real(value) => value,
+            Value::Integer(value) => f64::from(value),
+            Value::Boolean(_) | Value::String(_) | Value::File(_) => return None,
+        };
+        let limits = description.limits_of(variable);
+        let message = || format!("`{}` cannot be {value}: its description says {limits}", variable.name);
+        (!limits.allow(value)).then(message)
+    })
+}
+
 fn parsed(text: &str, kind: &Kind) -> Option<Value> {
     match kind {
         Kind::Real(_) => text.parse().ok().filter(|value: &f64| value.is_finite()).map(Value::Real),
@@ -38,6 +53,15 @@ mod tests {
         assert_eq!(value("area = 2.5"), Some(Value::Real(2.5)));
         assert_eq!(value("mode=2"), Some(Value::Integer(2)));
         assert_eq!(value("open = 0"), Some(Value::Boolean(false)));
+    }
+
+    #[test]
+    fn a_bare_value_that_the_description_does_not_allow_is_named() {
+        let description = tank();
+        let missed = |setting| missed_limits(&[bare(setting, &description).unwrap()], &description);
+        assert_eq!(missed("mode = 3").unwrap(), "`mode` cannot be 3: its description says the items 1, 2");
+        assert_eq!(missed("mode = 2"), None);
+        assert_eq!(missed("area = -1").unwrap(), "`area` cannot be -1: its description says min 0.5");
     }
 
     #[test]

@@ -27,6 +27,8 @@ pub(super) struct State {
     /// The shared expressions, computed from the visible and from the latest outputs.
     pub visible_shared: Vec<f64>,
     pub latest_shared: Vec<f64>,
+    /// By group, the inputs with limits that they have not missed yet.
+    pub unreported: Vec<Vec<usize>>,
     /// How many of the plan's changes of overrides have been applied.
     pub changes: usize,
     /// The number of samples that the claims took.
@@ -66,6 +68,7 @@ impl State {
             },
             visible_shared: vec![0.0; plan.shared.len()],
             latest_shared: vec![0.0; plan.shared.len()],
+            unreported: plan.limits.of_group.clone(),
             changes: 0,
             samples: 0,
         }
