@@ -29,7 +29,7 @@ pub(super) struct State {
     pub latest_shared: Vec<f64>,
     /// How many of the plan's changes of overrides have been applied.
     pub changes: usize,
-    /// The number of samples that the claims took.
+    /// The tick of the next sample of the claims.
     pub samples: u64,
 }
 
@@ -67,7 +67,7 @@ impl State {
             visible_shared: vec![0.0; plan.shared.len()],
             latest_shared: vec![0.0; plan.shared.len()],
             changes: 0,
-            samples: 0,
+            samples: plan.start_tick,
         }
     }
 }
