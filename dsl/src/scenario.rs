@@ -23,6 +23,8 @@ pub struct Scenario {
     pub title: String,
     /// The communication step in nanoseconds.
     pub step_ns: u64,
+    /// The tick at which the run begins: 0 for a script.
+    pub start_tick: u64,
     /// The tick at which the run ends.
     pub stop_tick: u64,
     /// The parameters with the values of this run, in order of declaration, `seed` last unless declared.

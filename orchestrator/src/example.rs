@@ -13,6 +13,7 @@ pub fn scenario() -> Scenario {
     Scenario {
         title: "Quadcopter flies".to_owned(),
         step_ns: 10_000_000,
+        start_tick: 0,
         stop_tick: 9000,
         parameters: vec![parameter("gust", "4 m/s", true), parameter("seed", "1", false)],
         units: vec![Unit { name: "quadcopter".to_owned() }],

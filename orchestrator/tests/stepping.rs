@@ -48,6 +48,7 @@ fn scenario() -> Scenario {
     Scenario {
         title: "Two units".to_owned(),
         step_ns: 500_000_000,
+        start_tick: 0,
         stop_tick: 10,
         parameters: Vec::new(),
         units: vec![Unit { name: "foreign.fmu".to_owned() }],

@@ -54,6 +54,7 @@ fn scenario() -> Scenario {
     Scenario {
         title: "Four units".to_owned(),
         step_ns: 500_000_000,
+        start_tick: 0,
         stop_tick: STOP_TICK,
         parameters: Vec::new(),
         units: ["foreign.fmu", "other.fmu"].map(|name| Unit { name: name.to_owned() }).to_vec(),

@@ -57,7 +57,8 @@ impl Foreign<'_> {
 /// A unit of `tests/foreign/generic.c`, whose calls run the C code that a test gives.
 #[derive(Debug, Default)]
 pub struct Generic<'a> {
-    /// Attributes of `CoSimulation`, besides the model identifier.
+    /// Attributes of `CoSimulation`, besides the model identifier and the capability to take steps of any size, which the unit
+    /// has unless it is named here.
     pub capabilities: &'a str,
     /// Elements that stand before `LogCategories`: `UnitDefinitions`, `TypeDefinitions`.
     pub definitions: &'a str,
@@ -107,11 +108,13 @@ impl Generic<'_> {
             content => format!("<{tag}>{content}</{tag}>"),
         };
         let Self { capabilities, definitions, experiment, variables, .. } = self;
+        let any_step = "canHandleVariableCommunicationStepSize";
+        let any_step = if capabilities.contains(any_step) { String::new() } else { format!("{any_step}=\"true\"") };
         let structure = list("Outputs", &outputs) + &list("InitialUnknowns", &unknowns);
         format!(
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
              <fmiModelDescription fmiVersion=\"2.0\" modelName=\"{name}\" guid=\"g\">\n\
-             <CoSimulation modelIdentifier=\"{name}\" canHandleVariableCommunicationStepSize=\"true\" {capabilities}/>\n\
+             <CoSimulation modelIdentifier=\"{name}\" {any_step} {capabilities}/>\n\
              {definitions}<LogCategories><Category name=\"logAll\"/></LogCategories>{experiment}\n\
              <ModelVariables>{variables}</ModelVariables>\n<ModelStructure>{structure}</ModelStructure>\n\
              </fmiModelDescription>\n"

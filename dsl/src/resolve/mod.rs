@@ -45,6 +45,8 @@
 //! | W03 | two instances of one unit draw the same random numbers |
 //! | W04 | a window that opens after the end of the run |
 //! | W05 | a unit that needs another program |
+//! | W07 | a unit whose experiment begins at another time than the run of a script |
+//! | W08 | a unit with a fixed step that takes other steps |
 
 use crate::diagnostic::Diagnostic;
 use crate::loader::Loader;
@@ -59,6 +61,7 @@ mod claim;
 mod column;
 mod comparison;
 mod event;
+mod experiment;
 mod expression;
 mod findings;
 mod fit;
@@ -153,7 +156,8 @@ fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
     scope.warn_of_missing_starts(&connections, &presets);
     scope.warn_of_equal_noise(&presets);
     let initialization = scope.initialization(&connections, &presets)?;
-    let (periods, waves) = (periods?, waves?);
+    let (grid, periods, waves) = (grid?, periods?, waves?);
+    scope.warn_of_other_experiments(&periods, grid.step_ns);
     let units = scope.script.units_by_index();
     let instances =
         scope.script.instances.iter().zip(presets).enumerate().map(|(index, (instance, presets))| Instance {
@@ -165,7 +169,8 @@ fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
         });
     Some(Scenario {
         title: scope.script.title?.text.clone(),
-        step_ns: grid?.step_ns,
+        step_ns: grid.step_ns,
+        start_tick: 0,
         stop_tick: stop_tick?,
         parameters,
         units,

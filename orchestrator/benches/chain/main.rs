@@ -57,7 +57,7 @@ fn by_loop(unit: &Unit, units: usize, ticks: u64) -> Result<Duration, Box<dyn Er
         .map(|(index, instance)| Instantiated { index, instance, start_values: StartValues::default() })
         .collect();
     let worker: Box<dyn Worker> =
-        Box::new(InProcess::new(plan.step_ns, &plan.groups, &plan.ports, instances, unit.board.note(0)));
+        Box::new(InProcess::new((0, plan.step_ns), &plan.groups, &plan.ports, instances, unit.board.note(0)));
     let mut run = StepLoop::new(plan, vec![worker], RunOptions::default(), BoardOnly { board: &unit.board });
     let begun = Instant::now();
     let finish = run.run(None);

@@ -98,6 +98,7 @@ impl Unit {
         Scenario {
             title: "Linked".to_owned(),
             step_ns: STEP_NS,
+            start_tick: 0,
             stop_tick: ticks,
             parameters: Vec::new(),
             units: vec![dsl::scenario::Unit { name: UNIT.to_owned() }],

@@ -81,6 +81,7 @@ mod tests {
         let scenario = Scenario {
             title: "Quadcopter flies".to_owned(),
             step_ns: 10_000_000,
+            start_tick: 0,
             stop_tick: 9000,
             parameters: vec![],
             units: vec![Unit { name: "quadcopter".to_owned() }],

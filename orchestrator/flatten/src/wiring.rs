@@ -35,6 +35,8 @@ use unit::time::seconds;
 pub struct Plan {
     /// The communication step in nanoseconds.
     pub step_ns: u64,
+    /// The tick at which the run begins.
+    pub start_tick: u64,
     /// The tick at which the run ends.
     pub stop_tick: u64,
     /// The instances in the script's order.
@@ -138,6 +140,7 @@ impl Plan {
             rises.map(|condition| Program::compile_condition(&condition.is, &mut |port| table.read(port))).collect();
         Self {
             step_ns: scenario.step_ns,
+            start_tick: scenario.start_tick,
             stop_tick: scenario.stop_tick,
             claims: Claims::new(&scenario.claims, scenario.stop_tick, &mut |port| table.read(port)),
             row: RowLayout::new(&scenario.columns, &table),

@@ -103,7 +103,7 @@ impl Table {
     /// There is no table, it cannot be read, a row does not fit the names, a cell is not a number, or time decreases. A last
     /// line without a line break in a partial trace, which a run that broke may leave, is not an error: it is dropped.
     pub fn read(run: &Path) -> Result<Self, TableError> {
-        let file = TableFile::open(run)?;
+        let mut file = TableFile::open(run)?;
         let notes = notes(run);
         let mut columns = vec![Column { name: "time".to_owned(), unit: Some("s".to_owned()), ..Column::default() }];
         let mut types = Vec::new();

@@ -25,13 +25,16 @@ use std::time::Duration;
 
 /// Simulates one unit alone.
 ///
-/// Stop time and step are those of the unit's DefaultExperiment, or one second in steps of a thousandth. All outputs and
+/// Start, stop and step are those of the unit's DefaultExperiment, or one second in steps of a thousandth. All outputs and
 /// inputs are recorded under their own names. Ends with 0 if the unit came to the end, 2 if the command line is wrong,
 /// 3 if the run broke, 130 if it was interrupted.
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
     /// An .fmu file, or a unit as scripts name it
     unit: OsString,
+    /// When to begin, for example 20s; a bare number is in seconds
+    #[arg(long, value_name = "TIME", value_parser = experiment::start)]
+    start: Option<f64>,
     /// When to end, for example 10s; a bare number is in seconds
     #[arg(long, value_name = "TIME", value_parser = experiment::time)]
     stop: Option<f64>,
@@ -80,14 +83,9 @@ impl Simulate {
             }
             None => (Vec::new(), Vec::new()),
         };
-        let start_s = experiment::start_s(&alone.description);
-        if start_s != 0.0 {
-            report::status(&format!("warning: the unit's DefaultExperiment begins at {start_s} s, this run at 0 s"));
-        }
-        let experiment = experiment::Experiment::new(self.stop, self.step, &alone.description)?;
-        if let Some(note) = &experiment.note {
-            report::status(note);
-        }
+        let asked = experiment::Asked { start_s: self.start, stop_s: self.stop, step_s: self.step };
+        let experiment = experiment::Experiment::new(asked, &alone.description)?;
+        experiment.notes.iter().for_each(|note| report::status(note));
         let script = alone.script(&experiment, &self.set, curves, &catalogue)?;
         // Not the folder of a script of the same name.
         let folder = || Path::new("runs").join(format!("{}-alone", alone.name()));

@@ -7,13 +7,14 @@ use crate::run::worker::Instantiated;
 use dsl::scenario::Preset;
 use std::path::Path;
 use std::sync::Arc;
-use unit::board::Note;
+use unit::board::{Note, Now};
 use unit::call_log::CallLog;
 use unit::call_log::LONGEST_PIECE;
 use unit::failure::{Cause, Doing, Failure};
 use unit::instance::{Instance, Setting};
 use unit::library::{Conflict, Library};
 use unit::logger::LogMessage;
+use unit::time::seconds;
 
 /// An instance that is to be made.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +39,8 @@ pub struct Instantiator<'a> {
     pub folder: &'a Path,
     /// The note of the thread that makes the calls.
     pub note: Note,
+    /// The tick at which the run begins.
+    pub start_tick: u64,
     /// The communication step in nanoseconds.
     pub step_ns: u64,
     /// Receives log messages and logged calls of units.
@@ -55,7 +58,7 @@ impl Instantiator<'_> {
         instances: impl IntoIterator<Item = NewInstance<'p>>,
         made: &mut Vec<Instantiated>,
     ) -> Result<(), Failure> {
-        let start = || self.note.at(0, 0.0);
+        let start = || at_start(&self.note, self.start_tick, self.step_ns);
         let mut libraries: Vec<Option<Arc<Library>>> = vec![None; self.units.len()];
         for NewInstance { index, name, unit, presets, log_calls } in instances {
             let library = match &libraries[unit] {
@@ -123,9 +126,19 @@ impl Instantiator<'_> {
 ///
 /// # Errors
 /// The first instance that refused.
-pub fn enter_initialization(made: &mut [Instantiated], note: &Note) -> Result<(), Failure> {
+pub fn enter_initialization(
+    made: &mut [Instantiated],
+    note: &Note,
+    start_tick: u64,
+    step_ns: u64,
+) -> Result<(), Failure> {
     made.iter_mut().try_for_each(|Instantiated { instance, start_values, .. }| {
-        instance.enter_initialization_mode(&note.at(0, 0.0))?;
-        start_values.initialize(instance, &note.at(0, 0.0))
+        instance.enter_initialization_mode(&at_start(note, start_tick, step_ns))?;
+        start_values.initialize(instance, &at_start(note, start_tick, step_ns))
     })
+}
+
+/// Begins calls of initialization.
+pub(crate) fn at_start(note: &Note, start_tick: u64, step_ns: u64) -> Now<'_> {
+    note.at(start_tick, seconds(start_tick, step_ns))
 }

@@ -42,7 +42,8 @@ impl RunSpec {
     /// The simulated seconds at which the run begins.
     #[must_use]
     pub fn from_s(&self) -> f64 {
-        self.from.as_ref().map_or(0.0, |checkpoint| seconds(checkpoint.tick, self.scenario.step_ns))
+        let tick = self.from.as_ref().map_or(self.scenario.start_tick, |checkpoint| checkpoint.tick);
+        seconds(tick, self.scenario.step_ns)
     }
 }
 

@@ -23,7 +23,8 @@ pub fn step_run(spec: &RunSpec, board: &Arc<Board>) {
     step_run_with(spec, board, &vec![0; spec.scenario.instances.len()], |plan| {
         instantiate_all(spec, board, &mut made)?;
         let instances = std::mem::take(&mut made);
-        Ok(vec![Box::new(InProcess::new(plan.step_ns, &plan.groups, &plan.ports, instances, board.note(0)))])
+        let times = (plan.start_tick, plan.step_ns);
+        Ok(vec![Box::new(InProcess::new(times, &plan.groups, &plan.ports, instances, board.note(0)))])
     });
 }
 
@@ -51,13 +52,12 @@ pub fn step_run_with<'a>(
 }
 
 fn instantiate_all(spec: &RunSpec, board: &Arc<Board>, made: &mut Vec<Instantiated>) -> Result<(), Failure> {
-    let note = board.note(0);
-    let step_ns = spec.scenario.step_ns;
     let instantiator = Instantiator {
         units: &spec.units,
         folder: &spec.folder,
-        note: note.clone(),
-        step_ns,
+        note: board.note(0),
+        start_tick: spec.scenario.start_tick,
+        step_ns: spec.scenario.step_ns,
         sink: board_observer::sink(board),
     };
     let instances = spec.scenario.instances.iter().enumerate();
@@ -66,7 +66,7 @@ fn instantiate_all(spec: &RunSpec, board: &Arc<Board>, made: &mut Vec<Instantiat
         NewInstance { index, name, unit, presets, log_calls: spec.options.logs_calls_of(name) }
     });
     instantiator.make(instances, made)?;
-    enter_initialization(made, &note)
+    enter_initialization(made, &instantiator.note, instantiator.start_tick, instantiator.step_ns)
 }
 
 fn plan_of(spec: &RunSpec, worker_of: &[usize]) -> Plan {

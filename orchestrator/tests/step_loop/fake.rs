@@ -114,6 +114,7 @@ impl Script {
         let scenario = Scenario {
             title: String::new(),
             step_ns: 1_000_000_000,
+            start_tick: 0,
             stop_tick: 6,
             parameters: Vec::new(),
             units: vec![Unit { name: String::new() }],

@@ -89,7 +89,6 @@ impl ModelDescription {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::description::{RealAttributes, RealVariable};
 
     #[test]
     fn rounding_is_allowed_and_not_a_number_is_no_matter_of_limits() {
@@ -107,21 +106,18 @@ mod tests {
 
     #[test]
     fn limits_of_the_variable_precede_those_of_its_type() {
-        let attributes = RealAttributes { max: Some(1.0), ..RealAttributes::default() };
-        let kind = Kind::Real(RealVariable { attributes, ..RealVariable::default() });
-        let variable = Variable {
-            position: crate::description::Position::default(),
-            name: String::new(),
-            value_reference: 0,
-            description: None,
-            causality: crate::description::Causality::Input,
-            variability: crate::description::Variability::Continuous,
-            initial: None,
-            declared_type: None,
-            kind,
-        };
-        let declared = RealAttributes { min: Some(0.0), max: Some(9.0), ..RealAttributes::default() };
-        let limits = Limits::of(&variable, Some(&TypeKind::Real(declared)));
-        assert_eq!(limits.to_string(), "min 0 and max 1");
+        let xml = br#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><CoSimulation modelIdentifier="m"/>
+          <TypeDefinitions>
+            <SimpleType name="Part"><Real min="0" max="9"/></SimpleType>
+            <SimpleType name="Mode"><Enumeration><Item name="a" value="1"/><Item name="b" value="5"/></Enumeration></SimpleType>
+          </TypeDefinitions>
+          <ModelVariables>
+            <ScalarVariable name="part" valueReference="0"><Real declaredType="Part" max="1"/></ScalarVariable>
+            <ScalarVariable name="mode" valueReference="0"><Enumeration declaredType="Mode"/></ScalarVariable>
+            <ScalarVariable name="free" valueReference="1"><Real/></ScalarVariable>
+          </ModelVariables></fmiModelDescription>"#;
+        let (description, _) = crate::description::read::read(xml).unwrap_or_else(|finding| panic!("{finding:?}"));
+        let shown = description.variables.iter().map(|variable| description.limits_of(variable).to_string());
+        assert_eq!(shown.collect::<Vec<_>>(), ["min 0 and max 1", "the items 1, 5", ""]);
     }
 }

@@ -329,5 +329,6 @@ fn request(spec: &RunSpec, ports: &[(usize, InstancePorts)], groups: Vec<GroupSp
         }
     };
     let instances = ports.iter().map(instance_spec).collect();
-    OpenRequest { step_ns: spec.scenario.step_ns, folder: spec.folder.clone(), units, instances, groups }
+    let dsl::scenario::Scenario { start_tick, step_ns, .. } = spec.scenario;
+    OpenRequest { start_tick, step_ns, folder: spec.folder.clone(), units, instances, groups }
 }

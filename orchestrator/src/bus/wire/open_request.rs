@@ -60,6 +60,8 @@ impl Handshake {
 /// What a worker is to hold.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OpenRequest {
+    /// The tick at which the run begins.
+    pub start_tick: u64,
     /// The communication step in nanoseconds.
     pub step_ns: u64,
     /// The folder that `file("…")` is relative to.

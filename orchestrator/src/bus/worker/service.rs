@@ -78,7 +78,8 @@ impl Service {
             (Stage::Instantiated(held, mut instances), Kind::Initialise)
                 if open_request::read(extras) == Some(Initial::Enter) =>
             {
-                let entered = enter_initialization(&mut instances, &self.board.note(0));
+                let OpenRequest { start_tick, step_ns, .. } = held.request;
+                let entered = enter_initialization(&mut instances, &self.board.note(0), start_tick, step_ns);
                 let entered = entered.map_err(|failure| lost(&held.request, failure));
                 let inner = held.stepper(instances, &self.board);
                 self.stage = Stage::Initialized(held, Box::new(inner));
@@ -128,6 +129,7 @@ impl Service {
             units: &units,
             folder: &held.request.folder,
             note: self.board.note(0),
+            start_tick: held.request.start_tick,
             step_ns: held.request.step_ns,
             sink: Arc::new(move |message| log_buffer.push(&message)),
         };
@@ -230,7 +232,7 @@ impl HeldInstances {
             ..Group::default()
         };
         let groups: Vec<_> = self.request.groups.iter().map(group).collect();
-        InProcess::new(self.request.step_ns, &groups, &self.ports, instances, board.note(0))
+        InProcess::new((self.request.start_tick, self.request.step_ns), &groups, &self.ports, instances, board.note(0))
     }
 
     /// Executes an order to initialized instances. The outer error is an invalid order, the inner one a unit's failure.
@@ -362,7 +364,7 @@ mod tests {
         };
         for instance in [spec(usize::MAX, 0), spec(1 << 40, 0), spec(0, 7)] {
             let (folder, units, groups) = (std::path::PathBuf::new(), Vec::new(), Vec::new());
-            let request = OpenRequest { step_ns: 1, folder, units, instances: vec![instance], groups };
+            let request = OpenRequest { start_tick: 0, step_ns: 1, folder, units, instances: vec![instance], groups };
             let mut service = service_after_hello();
             let reply = service.execute(&Outgoing::new(&header(Kind::Open)).finish(&bytes(&request))).unwrap();
             assert_eq!(Incoming::read(&reply).unwrap().header.schema, 0, "the number of an impossible layout is 0");

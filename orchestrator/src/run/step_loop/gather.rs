@@ -82,7 +82,7 @@ impl<W: Observer> StepLoop<'_, W> {
     /// # Errors
     /// The first instance in the script's order whose step failed, or whose values are not finite.
     pub(super) fn gather(&mut self, tick: u64) -> Result<Option<Finish>, Failure> {
-        if tick == 0 {
+        if tick == self.plan.start_tick {
             return Ok(None);
         }
         let Self { plan, workers, state, .. } = self;

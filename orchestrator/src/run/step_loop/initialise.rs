@@ -1,4 +1,4 @@
-//! Initialization: `->` and `=>` carry values along the units' declared dependencies, then the outputs at tick 0.
+//! Initialization: `->` and `=>` carry values along the units' declared dependencies, then the outputs at the first tick.
 
 use super::{Observer, State, StepLoop};
 use flatten::expression::{Moment, evaluate_shared};
@@ -13,16 +13,17 @@ impl<W: Observer> StepLoop<'_, W> {
     pub(super) fn initialise(&mut self) -> Result<(), Failure> {
         let Self { plan, state, workers, stack, observer, .. } = self;
         let State { visible, visible_shared, inputs, carried, unreported, .. } = state;
+        let start_s = plan.seconds(plan.start_tick);
         for call in &plan.initialization {
             match call {
                 InitialCall::Set { worker, instance, feed, shared, slots, limited } => {
-                    let now = (&*visible, 0.0);
+                    let now = (&*visible, start_s);
                     evaluate_shared(&plan.shared, shared.iter().copied(), now, stack, visible_shared);
                     let (outputs, rises) = (&*visible, carried.rises.as_slice());
-                    feed.bring(&Moment { outputs, time_s: 0.0, rises, shared: visible_shared }, stack, inputs);
+                    feed.bring(&Moment { outputs, time_s: start_s, rises, shared: visible_shared }, stack, inputs);
                     for (index, input) in limited.iter().map(|&index| (index, &plan.limits.all[index])) {
                         if let Some(value) = input.missed(inputs) {
-                            observer.missed_limits(input, value, 0);
+                            observer.missed_limits(input, value, plan.start_tick);
                             unreported.iter_mut().for_each(|group| group.retain(|&other| other != index));
                         }
                     }
@@ -40,6 +41,6 @@ impl<W: Observer> StepLoop<'_, W> {
             worker.start(visible).map_err(|lost| lost.failure)?;
         }
         state.latest.clone_from(&state.visible);
-        self.refuse_non_finite(|_| Some(0))
+        self.refuse_non_finite(|_| Some(self.plan.start_tick))
     }
 }

@@ -31,7 +31,7 @@ pub(super) struct State {
     pub unreported: Vec<Vec<usize>>,
     /// How many of the plan's changes of overrides have been applied.
     pub changes: usize,
-    /// The number of samples that the claims took.
+    /// The tick of the next sample of the claims.
     pub samples: u64,
 }
 
@@ -70,7 +70,7 @@ impl State {
             latest_shared: vec![0.0; plan.shared.len()],
             unreported: plan.limits.of_group.clone(),
             changes: 0,
-            samples: 0,
+            samples: plan.start_tick,
         }
     }
 }

@@ -51,6 +51,7 @@ fn scenario(ticks: u64) -> Scenario {
     Scenario {
         title: String::new(),
         step_ns: 1_000_000,
+        start_tick: 0,
         stop_tick: ticks,
         parameters: Vec::new(),
         units: vec![Unit { name: "foreign.fmu".to_owned() }],
@@ -86,7 +87,7 @@ fn a_long_flight_asks_for_memory_as_often_as_a_short_one() {
         let board = Arc::new(Board::private(&layout).unwrap());
         let plan = plan_of(&spec, &[0, 0]);
         let worker =
-            InProcess::new(plan.step_ns, &plan.groups, &plan.ports, instantiated(&spec, &board), board.note(0));
+            InProcess::new((0, plan.step_ns), &plan.groups, &plan.ports, instantiated(&spec, &board), board.note(0));
         let mut run = step_loop(&spec, &board, plan, vec![Box::new(worker)]);
         let mut finish = None;
         let count = allocation_counter::measure(|| finish = run.run(None).ok()).count_total;

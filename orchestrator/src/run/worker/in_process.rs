@@ -2,6 +2,7 @@
 
 use super::scattered::{get_slots, handles, set_slots};
 use super::{Lost, Order, Reply, Shutdown, Terminated, Ticket, Worker};
+use crate::run::instantiate::at_start;
 use crate::run::start_values::StartValues;
 use flatten::values::Values;
 use flatten::wiring::{Group, InstancePorts, Ports, VariableRange, VariableSlot};
@@ -29,6 +30,7 @@ pub struct Instantiated {
 #[derive(Debug)]
 pub struct InProcess {
     note: Note,
+    start_tick: u64,
     step_ns: u64,
     /// The instances, by group and then in the script's order.
     held: Vec<HeldInstance>,
@@ -83,10 +85,10 @@ struct GroupSteps {
 }
 
 impl InProcess {
-    /// Makes a worker of these instances; their calls are noted in `note`.
+    /// Makes a worker of these instances, for a run that begins at a tick; their calls are noted in `note`.
     #[must_use]
     pub fn new(
-        step_ns: u64,
+        (start_tick, step_ns): (u64, u64),
         groups: &[Group],
         ports: &[InstancePorts],
         instances: Vec<Instantiated>,
@@ -112,7 +114,7 @@ impl InProcess {
             GroupSteps { held: first..held.len(), every: group.every, step_s, lost: None, terminated: Vec::new() }
         };
         let groups = groups.iter().map(&mut group).collect();
-        Self { note, step_ns, held, groups, start_values, steps: false }
+        Self { note, start_tick, step_ns, held, groups, start_values, steps: false }
     }
 }
 
@@ -130,22 +132,22 @@ fn find(held: &mut [HeldInstance], index: usize) -> &mut HeldInstance {
 
 impl Worker for InProcess {
     fn set_initial(&mut self, instance: usize, slots: &[VariableSlot], inputs: &Values) -> Result<(), Lost> {
-        let Self { note, held, start_values, .. } = self;
-        if let Some(start_values) = start_values.get_mut(&instance) {
+        if let Some(start_values) = self.start_values.get_mut(&instance) {
             start_values.are_replaced(slots);
         }
-        let held = find(held, instance);
-        set_slots(&mut held.instance, &note.at(0, 0.0), slots, inputs).map_err(|failure| held.lose(failure))
+        let now = at_start(&self.note, self.start_tick, self.step_ns);
+        let held = find(&mut self.held, instance);
+        set_slots(&mut held.instance, &now, slots, inputs).map_err(|failure| held.lose(failure))
     }
 
     fn get_initial(&mut self, instance: usize, slots: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost> {
-        let Self { note, held, .. } = self;
-        let held = find(held, instance);
-        get_slots(&mut held.instance, &note.at(0, 0.0), slots, outputs).map_err(|failure| held.lose(failure))
+        let now = at_start(&self.note, self.start_tick, self.step_ns);
+        let held = find(&mut self.held, instance);
+        get_slots(&mut held.instance, &now, slots, outputs).map_err(|failure| held.lose(failure))
     }
 
     fn start(&mut self, outputs: &mut Values) -> Result<(), Lost> {
-        let now = self.note.at(0, 0.0);
+        let now = at_start(&self.note, self.start_tick, self.step_ns);
         for held in in_order(&mut self.held) {
             let start_values = self.start_values.remove(&held.index);
             let started = held.instance.exit_initialization_mode(&now);
