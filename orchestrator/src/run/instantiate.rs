@@ -54,7 +54,6 @@ impl Instantiator<'_> {
         instances: impl IntoIterator<Item = NewInstance<'p>>,
         made: &mut Vec<Instantiated>,
     ) -> Result<(), Failure> {
-        let start = || self.note.at(0, 0.0);
         let mut libraries: Vec<Option<Arc<Library>>> = vec![None; self.units.len()];
         for NewInstance { index, name, unit, presets, log_calls } in instances {
             let library = match &libraries[unit] {
@@ -68,9 +67,7 @@ impl Instantiator<'_> {
             let setting = Setting { name, index, note: self.note.clone(), sink, logging_on: log_calls, calls };
             let instance = Instance::instantiate(&library, setting)?;
             let start_values = StartValues::new(presets, &self.units[unit].description, self.folder);
-            let made = made.push_mut(Instantiated { index, instance, start_values });
-            made.start_values.set_presets(&mut made.instance, &start())?;
-            made.instance.setup_experiment(&start())?;
+            set_up(made.push_mut(Instantiated { index, instance, start_values }), &self.note)?;
         }
         Ok(())
     }
@@ -95,6 +92,15 @@ impl Instantiator<'_> {
             cause: Cause::Other(error.to_string()),
         })
     }
+}
+
+/// Sets the presets of an instance that was instantiated or reset, and the start of its experiment.
+///
+/// # Errors
+/// The unit refuses.
+pub fn set_up(made: &mut Instantiated, note: &Note) -> Result<(), Failure> {
+    made.start_values.set_presets(&mut made.instance, &note.at(0, 0.0))?;
+    made.instance.setup_experiment(&note.at(0, 0.0))
 }
 
 /// Begins initialization of all instances, in their order, and sets their start values.

@@ -11,7 +11,7 @@ const MAX_S: f64 = 9e9;
 
 /// Stop time and step in seconds: whole nanoseconds, and a whole number of steps.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Experiment {
+pub(in crate::cli) struct Experiment {
     pub stop_s: f64,
     pub step_s: f64,
     /// What differs from what was asked for.
@@ -91,7 +91,7 @@ fn about_a_thousandth(duration_s: f64) -> f64 {
 }
 
 /// A time of the command line in seconds: `10s`, `7.5 ms`, `10`.
-pub(super) fn time(text: &str) -> Result<f64, String> {
+pub(in crate::cli) fn time(text: &str) -> Result<f64, String> {
     let expected = || "expected a time such as 10s, 7.5ms or 10".to_owned();
     let (value, unit) = number_and_unit(text).ok_or_else(expected)?;
     let unit = if unit.is_empty() { "s" } else { unit };
