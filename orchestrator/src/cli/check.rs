@@ -3,8 +3,11 @@
 mod fold;
 mod plan;
 mod unit_file;
+mod unit_run;
 
+use super::exit_code;
 use crate::find::catalogue::Catalogue;
+use crate::find::preparation::Refusal;
 use crate::find::script::Script;
 use dsl::diagnostic::Severity;
 use dsl::scenario::Scenario;
@@ -15,10 +18,11 @@ use results::report::console::has_colour;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// Checks scripts and .fmu files and runs nothing.
+/// Checks scripts and .fmu files, and runs nothing unless asked to.
 ///
 /// A script is checked with the units that it names; an .fmu file by every rule of FMI 2.0.5, with line and column.
-/// Ends with 0 if nothing is wrong, else with 2.
+/// With --run each .fmu file is also tested by running it. Ends with 0 if nothing is wrong, 1 if such a test failed,
+/// else with 2; 130 if it was interrupted.
 #[derive(Debug, clap::Args)]
 pub struct Check {
     /// Scripts and .fmu files
@@ -42,6 +46,8 @@ pub struct Check {
     /// Warnings count as errors
     #[arg(long)]
     strict: bool,
+    #[command(flatten)]
+    unit_run: unit_run::UnitRun,
 }
 
 /// What was found out about one file.
@@ -62,6 +68,7 @@ impl Check {
     #[must_use]
     pub fn run(&self) -> u8 {
         let mut all_well = true;
+        let mut tests_passed = true;
         let mut catalogue = None;
         for file in &self.files {
             match self.one(file, &mut catalogue) {
@@ -73,10 +80,32 @@ impl Check {
                 Err(message) => {
                     all_well = false;
                     report::error(&message, None);
+                    continue;
+                }
+            }
+            if self.unit_run.is_asked_for_with(file) {
+                match self.tested(file, &mut catalogue) {
+                    Ok(passed) => tests_passed &= passed,
+                    Err(refusal) => {
+                        all_well = false;
+                        report::status(refusal.0.trim_end());
+                    }
                 }
             }
         }
-        if all_well { 0 } else { 2 }
+        match (tests_passed, all_well) {
+            (false, _) => exit_code::FAILED,
+            (true, false) => exit_code::USAGE,
+            (true, true) => 0,
+        }
+    }
+
+    fn tested(&self, file: &Path, catalogue: &mut Option<Catalogue>) -> Result<bool, Refusal> {
+        let catalogue = match catalogue {
+            Some(catalogue) => catalogue,
+            None => catalogue.insert(self.catalogue().map_err(|message| Refusal::new(&message, None))?),
+        };
+        self.unit_run.test(file, catalogue)
     }
 
     fn one(&self, file: &Path, catalogue: &mut Option<Catalogue>) -> Result<Checked, String> {
@@ -178,6 +207,7 @@ mod tests {
                 isolate: false,
                 verbose: false,
                 strict: false,
+                unit_run: unit_run::UnitRun::default(),
             };
             let message = check.one(&file, &mut None).unwrap_err();
             assert!(message.contains(name) && message.contains("No such file"), "{message}");

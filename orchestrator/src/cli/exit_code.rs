@@ -13,7 +13,7 @@ use std::io;
 /// All claims hold, or there are none.
 const OK: u8 = 0;
 /// A claim failed.
-const FAILED: u8 = 1;
+pub(super) const FAILED: u8 = 1;
 /// The script or the command line is wrong: anything before the first unit is instantiated.
 pub(super) const USAGE: u8 = 2;
 /// The run broke: anything from there on.

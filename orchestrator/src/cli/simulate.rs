@@ -1,8 +1,8 @@
 //! `lockstep simulate`: one unit alone, as FMPy and fmusim users know it.
 
-mod alone;
+pub(super) mod alone;
 mod column_name;
-mod experiment;
+pub(super) mod experiment;
 mod input_file;
 mod start_values;
 

@@ -128,6 +128,33 @@ pub fn prepare(mut script: Script, unpacked: &UnpackedUnits, options: RunOptions
     Ok(PreparedRun { spec, saving, record, folder, home: Arc::clone(home), completion, script: script.name })
 }
 
+/// A specification for the tests of a script's units, which leave no results, with the private folder that it needs.
+///
+/// # Errors
+/// Whatever is wrong with the script.
+pub fn prepare_tests(
+    mut script: Script,
+    unpacked: UnpackedUnits,
+    options: RunOptions,
+) -> Result<(RunSpec, Arc<Home>), Refusal> {
+    let Some(scenario) = script.scenario.take() else {
+        return Err(Refusal(script.rendered(has_colour(&std::io::stderr()))));
+    };
+    let UnpackedUnits { home, units } = unpacked;
+    let board = home.path().join("board");
+    let spec = RunSpec {
+        scenario,
+        units,
+        folder: script.folder,
+        board,
+        options,
+        worker_of: None,
+        saves: Vec::new(),
+        from: None,
+    };
+    Ok((spec, home))
+}
+
 /// A private file for each tick at which something is saved.
 fn saves(saving: &Saving, home: &Path) -> Vec<SaveSpec> {
     let ticks: BTreeSet<_> = saving.files.iter().map(|(tick, _)| *tick).collect();

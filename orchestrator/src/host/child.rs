@@ -3,6 +3,7 @@
 //! Standard input stays open as long as the parent lives; when it closes, so does this process.
 
 use crate::host::orphan::end_when_orphaned;
+use crate::run::exercise::perform;
 use crate::run::run_spec::RunSpec;
 use crate::run::stepping::step_run;
 use std::io::{self, Read};
@@ -20,7 +21,10 @@ pub fn run() -> io::Result<()> {
     let spec = read_spec(&mut io::stdin().lock())?;
     let board = Arc::new(Board::open(&spec.board)?);
     end_when_orphaned(spec.board.parent());
-    step_run(&spec, &board);
+    match spec.options.exercise {
+        None => step_run(&spec, &board),
+        Some(exercise) => perform(&spec, &board, exercise),
+    }
     Ok(())
 }
 

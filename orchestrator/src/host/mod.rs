@@ -4,4 +4,5 @@ pub mod child;
 pub mod execution;
 pub mod orphan;
 pub mod supervise;
+pub mod unit_tests;
 pub mod watchdog;

@@ -58,7 +58,6 @@ impl Instantiator<'_> {
         instances: impl IntoIterator<Item = NewInstance<'p>>,
         made: &mut Vec<Instantiated>,
     ) -> Result<(), Failure> {
-        let start = || at_start(&self.note, self.start_tick, self.step_ns);
         let mut libraries: Vec<Option<Arc<Library>>> = vec![None; self.units.len()];
         for NewInstance { index, name, unit, presets, log_calls } in instances {
             let library = match &libraries[unit] {
@@ -73,8 +72,7 @@ impl Instantiator<'_> {
             let instance = Instance::instantiate(&library, setting)?;
             let start_values = StartValues::new(presets, &self.units[unit].description, self.folder);
             let made = made.push_mut(Instantiated { index, instance, start_values });
-            made.start_values.set_presets(&mut made.instance, &start())?;
-            made.instance.setup_experiment(&start())?;
+            set_up(made, &self.note, self.start_tick, self.step_ns)?;
         }
         Ok(())
     }
@@ -120,6 +118,15 @@ impl Instantiator<'_> {
             named(used)
         )
     }
+}
+
+/// Sets the presets of an instance that was instantiated or reset, and the start of its experiment.
+///
+/// # Errors
+/// The unit refuses.
+pub fn set_up(made: &mut Instantiated, note: &Note, start_tick: u64, step_ns: u64) -> Result<(), Failure> {
+    made.start_values.set_presets(&mut made.instance, &at_start(note, start_tick, step_ns))?;
+    made.instance.setup_experiment(&at_start(note, start_tick, step_ns))
 }
 
 /// Begins initialization of all instances, in their order, and sets their start values.

@@ -1,6 +1,7 @@
 //! A run: from initialization over each tick to verdicts, on workers that hold the instances.
 
 pub mod board_observer;
+pub mod exercise;
 pub mod home;
 pub mod instantiate;
 pub mod interruption;

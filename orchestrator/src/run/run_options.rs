@@ -1,5 +1,6 @@
 //! The options of a run besides its script.
 
+use crate::run::exercise::Exercise;
 use results::run_record::HashedFile;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -32,6 +33,8 @@ pub struct RunOptions {
     pub step_timeout: Option<Duration>,
     /// Each instance has a worker process of its own.
     pub isolate: bool,
+    /// The test of a unit that takes the place of the run.
+    pub exercise: Option<Exercise>,
     /// The files that the run reads besides those in the script.
     pub files: Vec<HashedFile>,
 }

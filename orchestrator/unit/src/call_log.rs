@@ -98,6 +98,8 @@ impl CallWriter {
             set_boolean,
             set_string,
             do_step,
+            // Only tests of a unit reset it, and they log no calls.
+            reset: None,
             get_real_status: functions.get_real_status.and(Some(get_real_status)),
             get_boolean_status: functions.get_boolean_status.and(Some(get_boolean_status)),
             ..functions

@@ -8,6 +8,7 @@ mod states;
 mod strings;
 
 pub use lifecycle::Setting;
+pub use states::KeptState;
 
 use super::board::{Note, Now};
 use super::handles::Handles;
@@ -219,11 +220,24 @@ impl Instance {
     /// The unit neither reaches the end of the step nor asks for the run to end.
     #[inline]
     pub fn do_step(&mut self, now: &Now<'_>, step_s: f64) -> Result<StepResult, Failure> {
+        // No state before this time will be restored.
+        self.step(now, step_s, TRUE)
+    }
+
+    /// As [`Instance::do_step`], where the instance may return to a state that it had before.
+    ///
+    /// # Errors
+    /// The unit neither reaches the end of the step nor asks for the run to end.
+    pub fn do_step_that_may_be_undone(&mut self, now: &Now<'_>, step_s: f64) -> Result<StepResult, Failure> {
+        self.step(now, step_s, FALSE)
+    }
+
+    #[inline]
+    fn step(&mut self, now: &Now<'_>, step_s: f64, no_state_before: Boolean) -> Result<StepResult, Failure> {
         let do_step = self.do_step;
         let status = self.raw(now, Call::DoStep, |_, component| {
-            // SAFETY: the arguments are plain numbers. The last promises that no state before this time will be
-            // restored.
-            unsafe { do_step(component, now.time_s, step_s, TRUE) }
+            // SAFETY: the arguments are plain numbers.
+            unsafe { do_step(component, now.time_s, step_s, no_state_before) }
         });
         if floating_point::has_changed() {
             self.changed_by_step(now);

@@ -16,6 +16,8 @@ pub enum Style {
     Tenths,
     /// A JSON line for each tenth.
     Json,
+    /// Not at all.
+    Never,
 }
 
 impl Style {
@@ -98,6 +100,7 @@ impl<W: Write> Console<W> {
                     let _ = writeln!(self.out, "{percent:3} %  {}", progress().line());
                 }
             }
+            Style::Never => {}
             Style::Json => {
                 if self.tenths.due(part).is_some() {
                     let _ = writeln!(self.out, "{}", progress().json());

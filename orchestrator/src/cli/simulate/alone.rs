@@ -17,7 +17,7 @@ use unit::error::UnitError;
 
 /// A unit, found.
 #[derive(Clone, Debug)]
-pub(super) struct Alone {
+pub(in crate::cli) struct Alone {
     /// As the user named it.
     pub unit: String,
     pub description: ModelDescription,

@@ -11,7 +11,7 @@ const MAX_S: f64 = 9e9;
 
 /// What the user asked for, in seconds.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Asked {
+pub(in crate::cli) struct Asked {
     pub start_s: Option<f64>,
     pub stop_s: Option<f64>,
     pub step_s: Option<f64>,
@@ -19,7 +19,7 @@ pub(super) struct Asked {
 
 /// Start, stop and step: whole nanoseconds, start and stop a whole number of steps.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Experiment {
+pub(in crate::cli) struct Experiment {
     pub start_tick: u64,
     pub stop_s: f64,
     pub step_s: f64,
@@ -139,13 +139,13 @@ fn about_a_thousandth(duration_s: f64) -> f64 {
 }
 
 /// A time of the command line above zero, in seconds: `10s`, `7.5 ms`, `10`.
-pub(super) fn time(text: &str) -> Result<f64, String> {
+pub(in crate::cli) fn time(text: &str) -> Result<f64, String> {
     let time_s = start(text)?;
     if time_s > 0.0 { Ok(time_s) } else { Err("expected a time above zero".to_owned()) }
 }
 
 /// A time of the command line, which may be zero.
-pub(super) fn start(text: &str) -> Result<f64, String> {
+pub(in crate::cli) fn start(text: &str) -> Result<f64, String> {
     let expected = || "expected a time such as 10s, 7.5ms or 10".to_owned();
     let (value, unit) = number_and_unit(text).ok_or_else(expected)?;
     let unit = if unit.is_empty() { "s" } else { unit };

@@ -148,6 +148,21 @@ impl Instance {
         result
     }
 
+    /// Takes the instance back to where it was after `fmi2Instantiate`.
+    ///
+    /// # Errors
+    /// The unit returns neither `fmi2OK` nor `fmi2Warning`, or its library has no such function.
+    pub fn reset(&mut self, now: &Now<'_>) -> Result<(), Failure> {
+        let Some(reset) = self.rest.functions.reset else {
+            let text = "its library lacks this function, which the standard demands";
+            return Err(self.failure(now, Call::Reset, Cause::Other(text.to_owned())));
+        };
+        self.checked(now, Call::Reset, |_, component| {
+            // SAFETY: the component is this library's.
+            unsafe { reset(component) }
+        })
+    }
+
     /// Terminates the instance. After `fmi2Fatal` of any instance of the library this does nothing.
     ///
     /// # Errors

@@ -4,14 +4,59 @@ use super::Instance;
 use crate::board::Now;
 use crate::failure::{Cause, Failure};
 use crate::library::StateFunctions;
-use fmi2::c::FmuState;
+use fmi2::c::{Component, FmuState};
 use fmi2::calls::Call;
 use std::ptr;
 
 /// A larger state is taken for an error of the unit, instead of allocating that much memory.
 const LARGEST_STATE: usize = 1 << 30;
 
+/// A state in the memory of its instance, which must get it back by [`Instance::forget`].
+#[derive(Debug)]
+pub struct KeptState {
+    state: FmuState,
+    /// The instance that it is a state of.
+    of: Component,
+}
+
 impl Instance {
+    /// Keeps the present state in memory.
+    ///
+    /// # Errors
+    /// The unit refuses or lacks a function.
+    pub fn keep(&mut self, now: &Now<'_>) -> Result<KeptState, Failure> {
+        let functions = self.state_functions(now)?;
+        let mut state = ptr::null_mut();
+        self.checked(now, Call::GetFmuState, |_, component| {
+            // SAFETY: the pointer is valid; the handle is NULL, by which the standard asks for a new state.
+            unsafe { (functions.get)(component, &raw mut state) }
+        })?;
+        Ok(KeptState { state, of: self.component })
+    }
+
+    /// Takes the instance back to a state that it keeps.
+    ///
+    /// # Errors
+    /// The unit refuses or lacks a function.
+    pub fn return_to(&mut self, now: &Now<'_>, kept: &KeptState) -> Result<(), Failure> {
+        assert_eq!(kept.of, self.component, "a state returns to its own instance");
+        let functions = self.state_functions(now)?;
+        self.checked(now, Call::SetFmuState, |_, component| {
+            // SAFETY: the state is this instance's, and `forget` has not freed it.
+            unsafe { (functions.set)(component, kept.state) }
+        })
+    }
+
+    /// Frees a state that the instance keeps.
+    ///
+    /// # Errors
+    /// The unit refuses or lacks a function.
+    pub fn forget(&mut self, now: &Now<'_>, kept: KeptState) -> Result<(), Failure> {
+        assert_eq!(kept.of, self.component, "a state returns to its own instance");
+        let functions = self.state_functions(now)?;
+        self.free_state(now, functions, kept.state)
+    }
+
     /// The present state, serialized by the unit.
     ///
     /// # Errors
@@ -22,11 +67,8 @@ impl Instance {
 
     fn saved(&mut self, now: &Now<'_>) -> Result<Vec<u8>, Failure> {
         let functions = self.state_functions(now)?;
-        let mut state = ptr::null_mut();
-        self.checked(now, Call::GetFmuState, |_, component| {
-            // SAFETY: the pointer is valid; the handle is NULL, by which the standard asks for a new state.
-            unsafe { (functions.get)(component, &raw mut state) }
-        })?;
+        let kept = self.keep(now)?;
+        let state = kept.state;
         let mut size = 0;
         self.checked(now, Call::SerializedFmuStateSize, |_, component| {
             // SAFETY: the state is this instance's, and the pointer is valid and of the right type.
@@ -41,7 +83,7 @@ impl Instance {
             // SAFETY: the state is this instance's, and the buffer has `size` bytes.
             unsafe { (functions.serialize)(component, state, bytes.as_mut_ptr().cast(), size) }
         })?;
-        self.free_state(now, functions, state)?;
+        self.forget(now, kept)?;
         Ok(bytes)
     }
 

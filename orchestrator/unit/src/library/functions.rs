@@ -40,6 +40,8 @@ pub struct Functions {
     pub set_boolean: Set<Boolean>,
     pub set_string: Set<Str>,
     pub do_step: DoStep,
+    /// Called only to test a unit; some units do not export it.
+    pub reset: Option<OfComponent>,
     /// Called only after a discarded step; some units do not export it.
     pub get_real_status: Option<unsafe extern "C-unwind" fn(Component, StatusKind, *mut f64) -> RawStatus>,
     /// Called only after a discarded step; some units do not export it.
@@ -69,6 +71,7 @@ impl Functions {
                 set_boolean: required(library, path, Call::SetBoolean)?,
                 set_string: required(library, path, Call::SetString)?,
                 do_step: required(library, path, Call::DoStep)?,
+                reset: optional(library, Call::Reset),
                 get_real_status: optional(library, Call::GetRealStatus),
                 get_boolean_status: optional(library, Call::GetBooleanStatus),
             })
