@@ -1,6 +1,8 @@
 //! `lockstep describe`: a unit's variables, and all units that a script could name.
 
 use crate::find::catalogue::{Catalogue, Origin};
+use dsl::scenario::Value;
+use dsl::spelling;
 use fmi2::description::{Causality, Kind, ModelDescription, Variable};
 use results::report;
 use std::fmt::Write;
@@ -100,11 +102,12 @@ fn page(unit: &str, description: &ModelDescription) -> String {
             continue;
         }
         let _ = writeln!(text, "\n{title}");
-        let width = of_kind.iter().map(|variable| variable.name.chars().count()).max().unwrap_or(0);
+        let width =
+            of_kind.iter().map(|variable| spelling::variable(&variable.name).chars().count()).max().unwrap_or(0);
         for variable in of_kind {
             let words = variable.description.as_deref().unwrap_or_default();
             let (kind, start) = (kind(description, variable), start(description, variable));
-            let line = format!("  {:<width$}  {kind:<10}  {start:<12}  {words}", variable.name);
+            let line = format!("  {:<width$}  {kind:<10}  {start:<12}  {words}", spelling::variable(&variable.name));
             let _ = writeln!(text, "{}", line.trim_end());
         }
     }
@@ -130,20 +133,29 @@ fn kind(description: &ModelDescription, variable: &Variable) -> String {
     }
 }
 
-/// The start value, an enumeration's by the name of its item.
-fn start(description: &ModelDescription, variable: &Variable) -> String {
-    let item = |value: &i32| {
-        let found = description.items_of(variable).iter().find(|item| item.value == *value);
-        found.map_or_else(|| value.to_string(), |item| format!("\"{}\"", item.name))
+/// The start value as scripts write it, without its unit of measure; empty if there is none.
+pub(super) fn start(description: &ModelDescription, variable: &Variable) -> String {
+    let start = match &variable.kind {
+        Kind::Real(real) => real.start.map(Value::Real),
+        Kind::Integer { start, .. } | Kind::Enumeration { start, .. } => start.map(Value::Integer),
+        Kind::Boolean { start } => start.map(Value::Boolean),
+        Kind::String { start } => start.clone().map(Value::String),
     };
-    match &variable.kind {
-        Kind::Real(real) => real.start.map(results::shortest_decimal),
-        Kind::Integer { start, .. } => start.map(|value| value.to_string()),
-        Kind::Boolean { start } => start.map(|value| value.to_string()),
-        Kind::String { start } => start.as_ref().map(|value| format!("\"{value}\"")),
-        Kind::Enumeration { start, .. } => start.as_ref().map(item),
+    start.map(|start| value(description, variable, &start)).unwrap_or_default()
+}
+
+/// A value of a variable as scripts write it, without its unit of measure; an enumeration's by the name of its item.
+pub(super) fn value(description: &ModelDescription, variable: &Variable, value: &Value) -> String {
+    match value {
+        Value::Real(value) => results::shortest_decimal(*value),
+        Value::Integer(value) => {
+            let item = description.items_of(variable).iter().find(|item| item.value == *value);
+            item.map_or_else(|| value.to_string(), |item| spelling::text(&item.name))
+        }
+        Value::Boolean(value) => value.to_string(),
+        Value::String(text) => spelling::text(text),
+        Value::File(file) => format!("file({})", spelling::text(&file.path)),
     }
-    .unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -57,8 +57,8 @@ impl Alone {
         }
         let text = self.text(experiment, &others);
         let mut script = Script::of_text("lockstep simulate".to_owned(), PathBuf::from("."), text, &[], catalogue);
-        // What an input without start value and driver gets is the unit's own affair.
-        script.diagnostics.retain(|diagnostic| diagnostic.code != "W02");
+        // The inner script drives and records nothing: that is added to its meaning.
+        script.diagnostics.retain(|diagnostic| !matches!(diagnostic.code, "W02" | "W06"));
         script.name.clone_from(&self.unit);
         if let Some(scenario) = &mut script.scenario {
             self.complete(scenario, presets, curves);
