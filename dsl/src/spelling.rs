@@ -1,4 +1,4 @@
-//! How scripts write the names and units of measure of a unit's variables, some of which need quotes.
+//! How scripts write the names of a unit's variables, some of which need quotes, and texts.
 
 use std::borrow::Cow;
 
@@ -39,15 +39,6 @@ fn is_index(index: &str) -> bool {
     index.split(',').all(|number| number.parse::<u32>().is_ok_and(|value| value.to_string() == number))
 }
 
-/// A unit of measure as a script writes it behind a number, in quotes where it is no plain name.
-#[must_use]
-pub fn unit_of_measure(name: &str) -> Cow<'_, str> {
-    let is_plain = fmi2::units::parse(name).is_ok()
-        && name.starts_with(|letter: char| letter.is_alphabetic() || "%°".contains(letter))
-        && name.chars().all(|letter| letter.is_alphanumeric() || "*/^-%°²³".contains(letter));
-    if is_plain && name != "in" { Cow::Borrowed(name) } else { Cow::Owned(format!("'{name}'")) }
-}
-
 /// A text as a script writes it: in double quotes, with escapes for what cannot stand in them.
 #[must_use]
 pub fn text(text: &str) -> String {
@@ -72,18 +63,6 @@ fn names_are_quoted_from_the_part_on_that_is_no_word() {
         assert_eq!(variable(name), spelt);
     }
     assert_eq!(variable("der('a b')"), "der('a b')");
-}
-
-#[test]
-fn units_of_measure_are_quoted_where_they_are_no_plain_name() {
-    for plain in ["m/s^2", "degC", "%", "m²"] {
-        assert_eq!(unit_of_measure(plain), plain);
-    }
-    for (name, spelt) in
-        [("N.m", "'N.m'"), ("in", "'in'"), ("1/s", "'1/s'"), ("furlong", "'furlong'"), ("m s", "'m s'")]
-    {
-        assert_eq!(unit_of_measure(name), spelt);
-    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ use fmi2::description::{Causality, Kind, Variable};
 use fmi2::units::BaseUnit;
 
 use super::assign::Role;
+use super::measure::as_written;
 use super::scope::Scope;
 use super::unit::Unit;
 use super::wire::Wired;
@@ -135,9 +136,7 @@ fn next_part(name: &str, from: usize) -> &str {
 fn behind(unit: &Unit, variable: usize) -> (u8, String) {
     match &unit.variables[variable].kind {
         Kind::Real(_) => match (unit.unit_of(variable), unit.base_of(variable)) {
-            (Some(name), Some(base)) if base != BaseUnit::default() => {
-                (0, format!(" {}", spelling::unit_of_measure(name)))
-            }
+            (Some(name), Some(base)) if base != BaseUnit::default() => (0, format!(" {}", as_written(name))),
             _ => (0, String::new()),
         },
         Kind::Integer { .. } => (1, String::new()),

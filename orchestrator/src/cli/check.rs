@@ -4,13 +4,12 @@ mod fold;
 mod plan;
 mod unit_file;
 
-use crate::find::catalogue::Catalogue;
+use crate::find::catalogue::{Catalogue, is_archive};
 use crate::find::script::Script;
 use dsl::diagnostic::Severity;
 use dsl::scenario::Scenario;
 use fmi2::description::ModelDescription;
 use results::report;
-use std::ffi::OsStr;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
@@ -78,7 +77,7 @@ impl Check {
     }
 
     fn one(&self, file: &Path, catalogue: &mut Option<Catalogue>) -> Result<Checked, String> {
-        if file.extension() == Some(OsStr::new("fmu")) {
+        if is_archive(file) {
             return unit_file::check(file).map_err(|error| error.to_string());
         }
         let catalogue = match catalogue {

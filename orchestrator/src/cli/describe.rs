@@ -1,12 +1,12 @@
 //! `lockstep describe`: a unit's variables, and all units that a script could name.
 
-use crate::find::catalogue::{Catalogue, Origin};
+use crate::find::catalogue::{Catalogue, Origin, is_archive};
 use dsl::scenario::Value;
 use dsl::spelling;
 use fmi2::description::{Causality, Kind, ModelDescription, Variable};
 use results::report;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Shows the variables of a unit with their units of measure, or all units that would be found.
 #[derive(Debug, clap::Args)]
@@ -111,8 +111,10 @@ fn page(unit: &str, description: &ModelDescription) -> String {
             let _ = writeln!(text, "{}", line.trim_end());
         }
     }
-    let name = unit.strip_suffix(".fmu").unwrap_or(unit).rsplit('/').next().unwrap_or(unit);
-    let _ = writeln!(text, "\nto paste\n  fmu {} = \"{unit}\"", scenario_name(name));
+    let path = Path::new(unit);
+    let name = if is_archive(path) { path.file_stem() } else { path.file_name() };
+    let name = name.map_or(unit.into(), |name| name.to_string_lossy());
+    let _ = writeln!(text, "\nto paste\n  fmu {} = {}", scenario_name(&name), spelling::text(unit));
     text
 }
 
