@@ -15,4 +15,5 @@ pub mod parse;
 pub mod resolve;
 pub mod scenario;
 pub mod source;
+pub mod spelling;
 pub mod syntax;

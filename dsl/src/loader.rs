@@ -9,7 +9,7 @@ use fmi2::description::ModelDescription;
 use crate::source::Source;
 
 /// Loads what a script names. `from` is the text that names it: paths are relative to its folder. While a script is resolved,
-/// equal calls return equal results, and the resolver makes each call once.
+/// equal calls return equal results, and the resolver makes each call for a unit, text or table once.
 pub trait Loader: Sync {
     /// The description of a unit by the text of an `fmu` line: a path that ends in `.fmu`, or a name.
     ///
@@ -22,6 +22,12 @@ pub trait Loader: Sync {
     /// # Errors
     /// Why the text cannot be read.
     fn text(&self, from: &Source, path: &str) -> Result<Source, Problem>;
+
+    /// Whether a unit can be given a file, which `file("yard.csv")` names; the resolver asks at each place that names one.
+    ///
+    /// # Errors
+    /// Why the file cannot be given to a unit.
+    fn file(&self, from: &Source, path: &str) -> Result<(), Problem>;
 
     /// A table of values over time, which `curve("in.csv", "u")` names. `curve` is not known yet, so nothing calls this.
     ///

@@ -26,7 +26,7 @@ const SCRIPT: &str = "\
 scenario \"One foreign unit\"
 step 100 ms
 stop 1 s
-fmu tank = \"foreign.fmu\"
+fmu tank = \"foreign.fmu\" { enabled = false }
 1 -> tank.u
 assert rises: eventually tank.y > 0.5
 ";

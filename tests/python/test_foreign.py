@@ -49,7 +49,7 @@ PROBE_SCN = """\
 scenario "A unit in C"
 step 125 ms
 stop 2 s
-fmu probe = "foreign.fmu" { gain = 1.5, label = "100 % done" }
+fmu probe = "foreign.fmu" { gain = 1.5, label = "100 % done", enabled = false }
 time / 0.7 s -> probe.u
 assert follows: eventually probe.y > 1
 record probe.y, probe.count

@@ -323,7 +323,7 @@ fn units_that_cannot_save_their_state_are_named_at_once_before_the_run() {
 fn foreign(defines: &[&str]) -> TempDir {
     let (folder, _) = Foreign { defines, description: &[CLAIMS_STATES], ..Foreign::default() }.build();
     let script = "scenario \"A foreign unit\"\nstep 100 ms\nstop 1 s\nfmu a = \"foreign.fmu\" { label = \"mine\" }\n\
-                  fmu b = \"foreign.fmu\" every 300 ms\n1 + time / 1 s -> a.u\na.y -> b.u\n\
+                  fmu b = \"foreign.fmu\" every 300 ms { enabled = false }\n1 + time / 1 s -> a.u\na.y -> b.u\n\
                   at 300 ms lasting 300 ms { set a.enabled = true }\n\
                   assert up: always within 0..300 ms (eventually within 700 ms b.y > 0.1)\n\
                   record a.y, a.count, a.enabled, b.y\n";

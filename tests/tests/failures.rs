@@ -5,7 +5,8 @@ use std::path::Path;
 use tests::foreign::Foreign;
 use tests::program::{Said, run};
 
-const SCRIPT: &str = "scenario \"A unit misbehaves\"\nstep 100 ms\nstop 1 s\nfmu rogue = \"foreign.fmu\"\n\
+const SCRIPT: &str = "scenario \"A unit misbehaves\"\nstep 100 ms\nstop 1 s\n\
+                      fmu rogue = \"foreign.fmu\" { enabled = false }\n\
                       time -> rogue.u\nassert small: always rogue.y < 100\n";
 
 /// All instances in one process, and each in its own process.
@@ -141,7 +142,8 @@ fn the_unit_that_fails_during_initialization_is_named_even_if_another_crashes_wh
         let (other, fmu) = Foreign { defines: &[&defines[0], &defines[1]], ..Foreign::default() }.build();
         std::fs::copy(fmu, folder.path().join("other.fmu")).unwrap();
         drop(other);
-        let script = "scenario \"Two units\"\nstep 100 ms\nstop 1 s\nfmu crash = \"foreign.fmu\"\nfmu late = \"other.fmu\"\n\
+        let script = "scenario \"Two units\"\nstep 100 ms\nstop 1 s\n\
+                      fmu crash = \"foreign.fmu\" { enabled = false }\nfmu late = \"other.fmu\" { enabled = false }\n\
                       time -> crash.u\ntime -> late.u\nassert small: always late.y < 100\n";
         std::fs::write(folder.path().join("two.scn"), script).unwrap();
         for placement in PLACEMENTS {

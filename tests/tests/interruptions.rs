@@ -12,7 +12,8 @@ use tests::foreign::{CLAIMS_STATES, Foreign};
 use tests::program::{Said, lockstep, run};
 
 /// A run that is too long to be waited for.
-const LONG: &str = "scenario \"A unit flies for days\"\nstep 1 ms\nstop 100000 s\nfmu probe = \"foreign.fmu\"\n\
+const LONG: &str = "scenario \"A unit flies for days\"\nstep 1 ms\nstop 100000 s\n\
+                    fmu probe = \"foreign.fmu\" { enabled = false }\n\
                     time / 1 s -> probe.u\nassert early: eventually probe.count > 10\n\
                     assert late: eventually probe.y < -1\nrecord probe.y, probe.count\n";
 /// From the fifth step on, `fmi2DoStep` does not return.

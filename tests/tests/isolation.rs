@@ -15,15 +15,17 @@ use tests::program::{Said, lockstep, repository, run};
 /// Mixed periods, both kinds of connection, several waves, a slow unit beside fast ones, a window, claims of every
 /// kind, log messages of units.
 const MIXED: &str = "scenario \"Everything at once\"\nstep 10 ms\nstop 900 ms\n\
-    fmu a = \"foreign.fmu\"\nfmu b = \"foreign.fmu\" every 30 ms\nfmu c = \"foreign.fmu\"\n\
-    fmu slow = \"foreign.fmu\" every 200 ms\nfmu d = \"foreign.fmu\" every 20 ms\n\
+    fmu a = \"foreign.fmu\" { enabled = false }\nfmu b = \"foreign.fmu\" every 30 ms { enabled = false }\n\
+    fmu c = \"foreign.fmu\"\n\
+    fmu slow = \"foreign.fmu\" every 200 ms { enabled = false }\nfmu d = \"foreign.fmu\" every 20 ms { enabled = false }\n\
     1 + 0.5 * c.y + time / 1 s -> a.u\na.y => b.u\nb.y => c.u\na.y -> slow.u\nslow.y + a.y -> d.u\n\
     at 300 ms lasting 100 ms { set a.u = 7, set c.u = 3 }\nat 500 ms { set c.enabled = true }\n\
     assert bounded: always within 100..800 ms (c.y < 50 and b.y < 50)\n\
     assert rises: eventually within 600 ms hold for 50 ms a.y > 0.2\nassert lost: always a.y < 0.25\n\
     record a.y, a.u, b.y, c.y, c.gain, c.enabled, slow.y, d.y, d.count\n";
-const LONG: &str = "scenario \"Two units fly for days\"\nstep 1 ms\nstop 100000 s\nfmu probe = \"foreign.fmu\"\n\
-    fmu other = \"foreign.fmu\"\ntime / 1 s -> probe.u\nprobe.y -> other.u\nassert late: eventually probe.y < -1\n\
+const LONG: &str = "scenario \"Two units fly for days\"\nstep 1 ms\nstop 100000 s\n\
+    fmu probe = \"foreign.fmu\" { enabled = false }\nfmu other = \"foreign.fmu\" { enabled = false }\n\
+    time / 1 s -> probe.u\nprobe.y -> other.u\nassert late: eventually probe.y < -1\n\
     record probe.y, probe.count, other.y\n";
 
 /// A folder with the unit and a script of this name.

@@ -141,6 +141,10 @@ impl Loader for Units {
         Err(Problem { message: format!("there is no text `{path}`"), help: None })
     }
 
+    fn file(&self, _: &Source, _: &str) -> Result<(), Problem> {
+        Ok(())
+    }
+
     fn table(&self, _: &Source, path: &str) -> Result<Table, Problem> {
         Err(Problem { message: format!("there is no table `{path}`"), help: None })
     }

@@ -137,8 +137,12 @@ fn structure(failure: &Failure<'_>) -> Vec<&'static str> {
         Some(Use::Conversion) => failure.expects("as"),
         _ => false,
     };
+    // After an error the grammar takes a `}` anywhere; in a `for` block the end of a line is what is missed.
+    let in_braces =
+        failure.open_brackets().last().is_some_and(|&(open, bracket)| bracket == '{' && !failure.is_block(open));
     let words = words_behind_values().filter(|word| !is_operator(word));
-    SIGNS.into_iter().chain(words).filter(|token| failure.expects(token)).collect()
+    let tokens = SIGNS.into_iter().filter(|sign| *sign != "}" || in_braces).chain(words);
+    tokens.filter(|token| failure.expects(token)).collect()
 }
 
 fn any_of(tokens: &[&'static str]) -> String {

@@ -55,9 +55,31 @@ impl<'a> Place<'a> {
         if let (ErrorVariant::ParsingError { positives, .. }, true) = (&error.variant, at == self.from + rule_at) {
             expected.extend(positives.iter().flat_map(|rule| first_tokens(*rule)));
         }
-        let at = if expected.contains("scenario") { at } else { self.end_of_broken_line(at) };
+        let at = match self.open_quote(at) {
+            Some(quote) => {
+                expected.clear();
+                quote
+            }
+            None if expected.contains("scenario") => at,
+            None => self.end_of_broken_line(at),
+        };
         let statement = self.statement(at, &expected);
         Failure { from: self.from, blanked: self.blanked, text: self.text, at, statement, expected }
+    }
+
+    /// The quote of the line, up to a byte, that nothing closes.
+    fn open_quote(&self, at: usize) -> Option<usize> {
+        let mut here = lines::line_start(self.blanked, at).max(self.from);
+        while here < at {
+            let c = self.blanked[here..].chars().next()?;
+            let length =
+                if matches!(c, '"' | '\'') { lines::quoted_length(&self.blanked[here..]) } else { c.len_utf8() };
+            if matches!(c, '"' | '\'') && !lines::is_closed(&self.blanked[here..here + length]) {
+                return Some(here);
+            }
+            here += length;
+        }
+        None
     }
 
     /// Where a line should have continued, if the next statement begins at a byte.
@@ -213,6 +235,29 @@ impl<'a> Failure<'a> {
         open
     }
 
+    /// Whether a brace opens the statements of a `for`.
+    pub fn is_block(&self, brace: usize) -> bool {
+        lines::first_word(&self.blanked[lines::line_start(self.blanked, brace)..]) == "for"
+    }
+
+    /// Whether a brace is closed further on, as far as a few screens of text show.
+    pub fn is_closed_later(&self, brace: usize) -> bool {
+        const SEARCHED_BYTES: usize = 4096;
+        let text = &self.blanked[brace..self.blanked.floor_char_boundary(brace + SEARCHED_BYTES)];
+        let (mut at, mut depth) = (0, 0_usize);
+        while let Some(c) = text[at..].chars().next() {
+            match c {
+                '{' => depth += 1,
+                '}' if depth == 1 => return true,
+                '}' => depth -= 1,
+                _ => {}
+            }
+            let quoted = matches!(c, '"' | '\'');
+            at += if quoted { token(&text[at..]).len() } else { c.len_utf8() };
+        }
+        false
+    }
+
     /// Where the statement begins that holds the failure, with all blocks around it.
     pub fn outermost_statement(&self) -> usize {
         let block =
@@ -245,10 +290,7 @@ pub(super) fn token(text: &str) -> &str {
     let Some(first) = text.chars().next() else { return "" };
     let length = match first {
         '\n' | '\r' => 0,
-        '"' | '\'' => {
-            let end = text[1..].find([first, '\n', '\r']).map_or(text.len(), |end| end + 1);
-            end + usize::from(text[end..].starts_with(first))
-        }
+        '"' | '\'' => lines::quoted_length(text),
         '0'..='9' => text.find(|c| !is_word(c) && c != '.').unwrap_or(text.len()),
         _ if is_word(first) => text.find(|c| !is_word(c)).unwrap_or(text.len()),
         _ => {
@@ -264,7 +306,9 @@ pub(super) fn token(text: &str) -> &str {
 fn last_token(text: &str) -> &str {
     let text = text.trim_end();
     if let Some(quote) = text.chars().next_back().filter(|c| matches!(c, '"' | '\'')) {
-        return &text[text[..text.len() - 1].rfind(quote).unwrap_or(text.len() - 1)..];
+        let is_opening = |at: &usize| !text[..*at].ends_with('\\');
+        let opening = text[..text.len() - 1].rmatch_indices(quote).map(|(at, _)| at).find(is_opening);
+        return &text[opening.unwrap_or(text.len() - 1)..];
     }
     let word = text.trim_end_matches(|c| is_word(c) || c == '.').len();
     if word < text.len() {
@@ -277,12 +321,25 @@ fn last_token(text: &str) -> &str {
 
 #[test]
 fn tokens_are_words_numbers_texts_and_signs() {
-    for (text, first) in
-        [("a.b", "a"), ("1.5 m", "1.5"), ("\"a b\" c", "\"a b\""), ("\"a\n", "\"a"), ("=> x", "=>"), ("\n", "")]
-    {
+    for (text, first) in [
+        ("a.b", "a"),
+        ("1.5 m", "1.5"),
+        ("\"a b\" c", "\"a b\""),
+        ("\"a \\\" b\" c", "\"a \\\" b\""),
+        ("\"a\n", "\"a"),
+        ("=> x", "=>"),
+        ("\n", ""),
+    ] {
         assert_eq!(token(text), first, "{text:?}");
     }
-    for (text, last) in [("let a.b ", "a.b"), ("x =>", "=>"), ("f = \"a b\"", "\"a b\""), ("(", "("), ("", "")] {
+    for (text, last) in [
+        ("let a.b ", "a.b"),
+        ("x =>", "=>"),
+        ("f = \"a b\"", "\"a b\""),
+        ("f = \"a \\\" b\"", "\"a \\\" b\""),
+        ("(", "("),
+        ("", ""),
+    ] {
         assert_eq!(last_token(text), last, "{text:?}");
     }
 }

@@ -29,24 +29,49 @@ pub(super) fn continues(next: &str) -> bool {
     usage(first_word(next)) == Some(Use::Joint) || next.starts_with("->") || next.starts_with("=>")
 }
 
+/// The byte length of what is quoted at the beginning of a text, with both quotes; up to the end of the line where nothing
+/// closes it. In double quotes a backslash takes away the meaning of what follows it.
+pub(super) fn quoted_length(text: &str) -> usize {
+    let mut letters = text.char_indices();
+    let quote = letters.next().map(|(_, quote)| quote);
+    while let Some((at, letter)) = letters.next() {
+        match letter {
+            '\n' | '\r' => return at,
+            '\\' if quote == Some('"') => {
+                if let Some((at, '\n' | '\r')) = letters.next() {
+                    return at;
+                }
+            }
+            letter if Some(letter) == quote => return at + letter.len_utf8(),
+            _ => {}
+        }
+    }
+    text.len()
+}
+
+/// Whether something that begins with a quote and reaches as far as [`quoted_length`] says ends with its quote.
+pub(super) fn is_closed(quoted: &str) -> bool {
+    let Some(quote) = quoted.chars().next() else { return true };
+    let Some(body) = quoted[quote.len_utf8()..].strip_suffix(quote) else { return false };
+    let backslashes = body.len() - body.trim_end_matches('\\').len();
+    quote != '"' || backslashes.is_multiple_of(2)
+}
+
 /// Whether a line holds an arrow, outside quotes, that does not begin it.
 fn holds_arrow(line: &str) -> bool {
     let line = line.trim_start();
-    let mut quote = None;
-    for (at, c) in line.char_indices() {
-        match quote {
-            Some(open) if open == c => quote = None,
-            Some(_) => {}
-            None if c == '"' || c == '\'' => quote = Some(c),
-            None if at > 0 && (line[at..].starts_with("->") || line[at..].starts_with("=>")) => return true,
-            None => {}
+    let mut at = 0;
+    while let Some(c) = line[at..].chars().next() {
+        if at > 0 && (line[at..].starts_with("->") || line[at..].starts_with("=>")) {
+            return true;
         }
+        at += if matches!(c, '"' | '\'') { quoted_length(&line[at..]) } else { c.len_utf8() };
     }
     false
 }
 
 /// Whether a statement begins on a line.
-fn begins_statement(line: &str) -> bool {
+pub(super) fn begins_statement(line: &str) -> bool {
     first_word_begins_statement(line) || holds_arrow(line)
 }
 
@@ -97,7 +122,17 @@ fn statements_begin_with_a_statement_word_or_hold_an_arrow_further_on() {
     for line in ["step 5 ms", "  stop when x", "a.b -> c.d", "a =>", "let", "at=>b"] {
         assert!(begins_statement(line), "{line}");
     }
-    for line in ["step = 1", "at.x = 2", "set[1] = 2", "steps", "-> c.d", "  => c.d", "x = \"a -> b\"", ""] {
+    for line in [
+        "step = 1",
+        "at.x = 2",
+        "set[1] = 2",
+        "steps",
+        "-> c.d",
+        "  => c.d",
+        "x = \"a -> b\"",
+        "x = \"a \\\" -> b\"",
+        "",
+    ] {
         assert!(!begins_statement(line), "{line}");
     }
 }

@@ -20,6 +20,8 @@ pub(super) fn known(failure: &Failure<'_>) -> Option<Diagnostic> {
         leading_point,
         loose_point,
         actions_without_braces,
+        word_after_condition,
+        ports_after_period,
         second_statement,
         reserved_name,
         odd_name,
@@ -45,22 +47,40 @@ pub(super) fn unclosed(failure: &Failure<'_>) -> Option<(Diagnostic, usize)> {
     let found = failure.found();
     let broken_off = found.is_empty() && (bracket != '{' || failure.expects("}"));
     let other_closed = closes(found, &open) && !found.starts_with(closing);
+    if broken_off && bracket == '{' {
+        let next = text.len() - text[failure.at..].trim_start().len();
+        if let Some(inside) = statement_in_braces(failure, opened, next) {
+            return Some((inside, lines::next_statement(text, failure.at)));
+        }
+    }
     if broken_off || other_closed {
         let label = format!("expected `{closing}` here at the latest");
         return Some((diagnostic.label(failure.span(), label), lines::next_statement(text, failure.at)));
     }
-    // A statement word in the braces of an fmu line was read as a key.
+    // The first word of a statement in the braces of an fmu line was read as a key, in those of an at block as an action.
     let line = lines::line_start(text, failure.at);
     let first = &text[line..lines::line_end(text, line)];
-    let word = lines::first_word(first);
-    if opened > line || bracket != '{' || !lines::first_word_begins_statement(first) {
+    if opened > line || bracket != '{' || failure.is_block(opened) || !lines::begins_statement(first) {
         return None;
     }
-    if lines::first_word(&text[lines::line_start(text, opened)..]) == "for" {
-        return None;
+    let begins = line + first.len() - first.trim_start().len();
+    if let Some(inside) = statement_in_braces(failure, opened, begins) {
+        return Some((inside, lines::next_statement(text, failure.at)));
     }
-    let place = failure.span_of(line + first.len() - first.trim_start().len(), word.len());
+    let place = failure.span_of(begins, lines::first_word(first).len().max(1));
     Some((diagnostic.label(place, "the next statement begins here"), line))
+}
+
+/// That a statement, which begins at a byte, stands in braces of values or actions that are closed after it.
+fn statement_in_braces(failure: &Failure<'_>, opened: usize, begins: usize) -> Option<Diagnostic> {
+    let text = failure.blanked;
+    let line = &text[begins..lines::line_end(text, begins)];
+    if failure.is_block(opened) || !lines::begins_statement(line) || !failure.is_closed_later(opened) {
+        return None;
+    }
+    let place = failure.span_of(begins, lines::first_word(line).len().max(1));
+    let error = Diagnostic::error("E00", place, "a statement stands in braces that take none");
+    Some(error.label(failure.span_of(opened, 1), "opened here").help("close the braces before it"))
 }
 
 /// Whether a closing bracket closes any of the open ones.
@@ -71,9 +91,8 @@ fn closes(bracket: &str, open: &[(usize, char)]) -> bool {
 fn open_quote(failure: &Failure<'_>) -> Option<Diagnostic> {
     let found = failure.found();
     let quote = found.chars().next().filter(|quote| matches!(quote, '"' | '\''))?;
-    let closed = found.len() > 1 && found.ends_with(quote);
     let help = format!("write `{quote}` at its end; a text stands on one line");
-    (!closed).then(|| error(failure, format!("this `{quote}` is never closed")).help(help))
+    (!lines::is_closed(found)).then(|| error(failure, format!("this `{quote}` is never closed")).help(help))
 }
 
 /// E13: `x => 3 m`
@@ -189,6 +208,39 @@ fn actions_without_braces(failure: &Failure<'_>) -> Option<Diagnostic> {
     }
     let message = format!("`{action}` stands in braces");
     Some(error(failure, message).help(format!("write {}", failure.begun().example)))
+}
+
+/// `assert clear: x > 3 m always`, `assert clear: eventually x > 3 m within 5 s`
+fn word_after_condition(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let word = failure.found();
+    let is_window = matches!(word, "within" | "after");
+    if !(is_window || matches!(word, "always" | "eventually" | "hold" | "not")) || !failure.expects("*") {
+        return None;
+    }
+    if is_window {
+        let message = format!("`{word}` stands right behind `always` or `eventually`");
+        return Some(error(failure, message).help(format!("write for example `eventually {word} 5 s x > 3 m`")));
+    }
+    let line = failure.line();
+    let (before, behind) = (failure.before(), line.get(failure.before().len() + word.len()..).unwrap_or_default());
+    let begun = before.split_once(':').filter(|_| lines::first_word(before) == "assert");
+    let help = match (begun, behind.trim()) {
+        (Some((head, condition)), "") => format!("write `{head}: {word} {}`", condition.trim()),
+        (Some((head, condition)), behind) => format!("write `{head}: {word} {behind} {}`", condition.trim()),
+        (None, _) if word == "not" => "write `not` to the left of it".to_owned(),
+        (None, _) => format!("`{word}` belongs to an `assert`"),
+    };
+    Some(error(failure, format!("`{word}` stands before its condition")).help(help))
+}
+
+/// `record a.x every 20 ms, b.x`
+fn ports_after_period(failure: &Failure<'_>) -> Option<Diagnostic> {
+    let is_record = lines::first_word(failure.before()) == "record";
+    if failure.found() != "," || !is_record || !failure.before().contains(" every ") {
+        return None;
+    }
+    let help = "ports with a period of their own have a `record` line of their own";
+    Some(error(failure, "`every` ends a record line").help(help))
 }
 
 /// `step 5 ms stop 90 s`

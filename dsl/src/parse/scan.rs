@@ -169,10 +169,28 @@ impl<'a> Scanner<'a> {
     }
 
     fn quoted(&mut self, quote: char) {
-        let body = &self.rest()[1..];
-        let end = body.find([quote, '\n', '\r']).unwrap_or(body.len());
-        let closed = usize::from(body[end..].starts_with(quote));
-        self.symbol(1 + end + closed, true);
+        let length = lines::quoted_length(self.rest());
+        if quote == '"' {
+            self.escapes(&self.rest()[..length]);
+        }
+        self.symbol(length, true);
+    }
+
+    /// Reports backslashes that begin no escape.
+    fn escapes(&mut self, text: &str) {
+        let mut letters = text.char_indices();
+        while let Some((at, letter)) = letters.next() {
+            if letter != '\\' {
+                continue;
+            }
+            let Some((_, escaped)) = letters.next().filter(|(_, escaped)| !"\"\\nt".contains(*escaped)) else {
+                continue;
+            };
+            let span = self.span(self.at + at, self.at + at + 1 + escaped.len_utf8());
+            let message = format!("`\\{escaped}` is no escape");
+            let help = "a backslash is written `\\\\`; escapes are `\\\"`, `\\\\`, `\\n` and `\\t`";
+            self.diagnostics.push(Diagnostic::error("E00", span, message).help(help));
+        }
     }
 
     fn close(&mut self, bracket: char) {

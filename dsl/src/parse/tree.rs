@@ -68,8 +68,11 @@ impl<'a> Walk<'a> {
     pub fn word(&self, pair: &Pair<'_, Rule>) -> Word {
         let text = pair.as_str();
         let unquoted = |quote| text.strip_prefix(quote)?.strip_suffix(quote);
-        let bare = unquoted('"').or_else(|| unquoted('\'')).unwrap_or(text);
-        Word { text: bare.to_owned(), span: self.span(pair) }
+        let bare = match unquoted('"') {
+            Some(escaped) => unescaped(escaped),
+            None => unquoted('\'').unwrap_or(text).to_owned(),
+        };
+        Word { text: bare, span: self.span(pair) }
     }
 
     /// The statements of a text that was matched from a byte of the source on.
@@ -277,6 +280,24 @@ impl<'a> Walk<'a> {
             _ => Segment::Index(self.indices(pair), span),
         }
     }
+}
+
+/// A text without its escapes.
+fn unescaped(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    let mut letters = text.chars();
+    while let Some(letter) = letters.next() {
+        plain.push(match letter {
+            '\\' => match letters.next() {
+                Some('n') => '\n',
+                Some('t') => '\t',
+                Some(escaped) => escaped,
+                None => '\\',
+            },
+            letter => letter,
+        });
+    }
+    plain
 }
 
 fn only_part(pair: Pair<'_, Rule>) -> Pair<'_, Rule> {

@@ -12,6 +12,7 @@ use super::signal::Signal;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::listed;
 use crate::scenario::Port;
+use crate::spelling;
 
 /// Values with the ports that take them.
 type Pairs = Vec<(Rc<Meaning>, Port)>;
@@ -98,7 +99,7 @@ impl Scope<'_, '_> {
         let tunable = variables.filter(|variable| {
             variable.causality == Causality::Parameter && variable.variability == Variability::Tunable
         });
-        let names: Vec<_> = tunable.map(|variable| variable.name.as_str()).take(8).collect();
+        let names: Vec<_> = tunable.map(|variable| spelling::variable(&variable.name)).take(8).collect();
         match (role, names.as_slice()) {
             (Role::Wire, _) => "an arrow ends in an input; set it in the fmu line".to_owned(),
             (_, []) => "set it in the fmu line".to_owned(),

@@ -25,7 +25,11 @@ impl Scope<'_, '_> {
             claims.iter().for_each(|claim| self.of_formula(&claim.formula, &mut all));
             all.into_iter().filter(|port| self.variable(*port).base_type() != BaseType::String).collect()
         };
-        ports.into_iter().map(|port| Column { name: self.port_name(port), port }).collect()
+        let name = |port: Port| {
+            let instance = &self.script.instances[port.instance].name.text;
+            format!("{instance}.{}", self.variable(port).name)
+        };
+        ports.into_iter().map(|port| Column { name: name(port), port }).collect()
     }
 
     fn recorded(&self, path: &Path) -> Vec<Port> {

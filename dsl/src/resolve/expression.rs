@@ -115,7 +115,9 @@ impl Scope<'_, '_> {
 
     fn path(&self, path: &Path) -> Option<Rc<Meaning>> {
         let root = path.root.text.as_str();
+        let is_refused = || matches!(self.look_up(root).map(|found| found.part), Some(Declaration::Refused(_)));
         let builtin = match root {
+            "time" | "pi" if is_refused() => return None,
             "time" => Real::computed(RealExpression::Time, Measure::Known(super::grid::SECOND), None),
             "pi" => Real::plain(std::f64::consts::PI),
             _ => return self.declared(path),
@@ -124,7 +126,7 @@ impl Scope<'_, '_> {
     }
 
     fn declared(&self, path: &Path) -> Option<Rc<Meaning>> {
-        let Some(Placed { frame, part }) = self.look_up(&path.root.text) else {
+        let Some(Placed { frame, part }) = self.refer_to(&path.root.text) else {
             if path.root.text == "seed" {
                 return self.narrowed(self.implicit_seed(), path);
             }

@@ -20,8 +20,8 @@ struct Finding {
 #[derive(Default)]
 pub(super) struct Findings {
     found: Vec<Finding>,
-    /// The codes and places of what was found.
-    seen: BTreeSet<(&'static str, Vec<Span>)>,
+    /// The codes and places of what was found, and the messages of warnings, of which one place may have several.
+    seen: BTreeSet<(&'static str, Vec<Span>, Option<String>)>,
     has_error: bool,
 }
 
@@ -30,7 +30,8 @@ impl Findings {
     /// of a loop is, has each of its mistakes once.
     pub fn add(&mut self, diagnostic: Diagnostic, search: Option<(FrameId, Search)>) {
         let places = diagnostic.labels.iter().map(|label| label.span).collect();
-        if self.seen.insert((diagnostic.code, places)) {
+        let message = (!diagnostic.is_error()).then(|| diagnostic.message.clone());
+        if self.seen.insert((diagnostic.code, places, message)) {
             self.add_always(diagnostic, search);
         }
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::script::Declaration;
 use crate::source::Span;
+use crate::syntax::Word;
 
 /// A frame, by its index in [`Frames`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -55,6 +56,17 @@ impl<'a> Frames<'a> {
         Ok(())
     }
 
+    /// After a second declaration of a name: if one is an instance and the other is none, uses of the name report nothing,
+    /// because it is not known which of them is meant.
+    pub fn refuse_if_unlike(&mut self, frame: FrameId, name: &'a Word, second: Declaration<'a>) {
+        let is_instance = |declaration: &Declaration<'_>| matches!(declaration, Declaration::Instance(..));
+        if let Some(first) = self.0[frame.0].names.get_mut(name.text.as_str()) {
+            if is_instance(first) != is_instance(&second) {
+                *first = Declaration::Refused(first.word());
+            }
+        }
+    }
+
     /// The frame itself, then those around it.
     fn outward(&self, frame: FrameId) -> impl Iterator<Item = (FrameId, &Frame<'a>)> {
         std::iter::successors(Some(frame), |frame| self.0[frame.0].outer).map(|frame| (frame, &self.0[frame.0]))
@@ -74,7 +86,6 @@ impl<'a> Frames<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::syntax::Word;
 
     fn word(text: &str, start: u32) -> Word {
         Word { text: text.to_owned(), span: Span { text: 0, start, end: start + 1 } }

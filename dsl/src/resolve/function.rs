@@ -243,6 +243,10 @@ impl Scope<'_, '_> {
         let [(path, span)] = self.count(call)?;
         match &*path {
             Meaning::Text(Text::Literal(path)) => {
+                if let Err(problem) = self.request.loader.file(self.request.sources.of(span), path) {
+                    let error = Diagnostic::error("E40", span, problem.message);
+                    return self.refuse(Diagnostic { help: problem.help, ..error });
+                }
                 Some(Meaning::Text(Text::File(FileRef { from: span.text, path: path.clone() })))
             }
             other => {

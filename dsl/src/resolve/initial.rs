@@ -8,6 +8,7 @@ use super::scope::Scope;
 use super::wire::Wired;
 use crate::diagnostic::Diagnostic;
 use crate::scenario::{InitialStep, Port, Preset};
+use crate::spelling;
 
 /// One thing to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -229,7 +230,7 @@ impl Scope<'_, '_> {
         let help = format!(
             "give one input of the circle a start value: `fmu {} = … {{ {} = … }}`",
             self.script.instances[target.instance].name.text,
-            self.variable(target).name
+            spelling::variable(&self.variable(target).name)
         );
         let error = Diagnostic::error("E36", connections[first].target, message);
         rest.iter().fold(error, |error, &index| error.label(connections[index].target, "")).help(help)

@@ -61,7 +61,8 @@ pub(super) fn si_name(dimension: Dimension) -> String {
 
 /// A unit of measure as a script writes it: other than simple names in quotes.
 pub(super) fn as_written(unit: &str) -> String {
-    let is_name = unit.chars().all(|letter| letter.is_alphanumeric() || "*/^-%°²³".contains(letter));
+    let is_name = unit.starts_with(|first: char| first.is_alphabetic() || "%°".contains(first))
+        && unit.chars().all(|letter| letter.is_alphanumeric() || "*/^-%°²³".contains(letter));
     if is_name && unit != "in" { unit.to_owned() } else { format!("'{unit}'") }
 }
 
@@ -138,6 +139,13 @@ fn a_dimension_is_written_as_a_script_can_read_it() {
     assert_eq!(si_name(Dimension([0, 0, -1, 0, 0, 0, 0, 0])), "s^-1");
     assert_eq!(si_name(Dimension([1, -1, -2, 0, 0, 0, 0, 0])), "kg/m/s^2");
     assert_eq!(si_name(Dimension::NONE), "");
+}
+
+#[test]
+fn a_unit_of_measure_is_quoted_where_it_is_no_plain_name() {
+    for (unit, written) in [("m/s^2", "m/s^2"), ("%", "%"), ("N.m", "'N.m'"), ("in", "'in'"), ("1/s", "'1/s'")] {
+        assert_eq!(as_written(unit), written);
+    }
 }
 
 #[test]

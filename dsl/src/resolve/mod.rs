@@ -40,11 +40,13 @@
 //! | E37 | a value of `--set` of another kind than the parameter's |
 //! | E38 | a number out of range |
 //! | E39 | a value that is too large or too deeply nested to be meant |
+//! | E40 | a file that a unit cannot be given |
 //! | W01 | a value is passed to a variable that declares no unit, or one that its description does not define |
-//! | W02 | an input without driver and start value |
+//! | W02 | inputs without driver and without a value in the script |
 //! | W03 | two instances of one unit draw the same random numbers |
 //! | W04 | a window that opens after the end of the run |
 //! | W05 | a unit that needs another program |
+//! | W06 | an instance, `param` or `let` that is not used |
 //! | W07 | a unit whose experiment begins at another time than the run of a script |
 //! | W08 | a unit with a fixed step that takes other steps |
 
@@ -85,8 +87,10 @@ mod share;
 mod signal;
 mod temporal;
 mod undeclared;
+mod undriven;
 mod unit;
 mod unit_name;
+mod unused;
 mod wave;
 mod wire;
 
@@ -153,7 +157,8 @@ fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
     if scope.failed() {
         return None;
     }
-    scope.warn_of_missing_starts(&connections, &presets);
+    scope.warn_of_unused_names();
+    scope.warn_of_undriven_inputs(&connections, &presets, &events);
     scope.warn_of_equal_noise(&presets);
     let initialization = scope.initialization(&connections, &presets)?;
     let (grid, periods, waves) = (grid?, periods?, waves?);

@@ -8,6 +8,7 @@ use super::scope::Scope;
 use super::script::Declaration;
 use crate::diagnostic::Diagnostic;
 use crate::scenario::{BooleanExpression, Parameter};
+use crate::spelling;
 use crate::syntax::{Binding, Expression};
 
 use super::meaning::{Condition, Measure};
@@ -127,8 +128,8 @@ fn typed_again(value: &Meaning) -> Option<String> {
             Ok(BooleanExpression::Constant(value)) => Some(value.to_string()),
             _ => None,
         },
-        Meaning::Text(Text::Literal(text)) => Some(format!("\"{text}\"")),
-        Meaning::Text(Text::File(file)) => Some(format!("file(\"{}\")", file.path)),
+        Meaning::Text(Text::Literal(text)) => Some(spelling::text(text)),
+        Meaning::Text(Text::File(file)) => Some(format!("file({})", spelling::text(&file.path))),
         Meaning::List(elements) => {
             let elements: Option<Vec<_>> = elements.iter().map(|element| typed_again(element)).collect();
             Some(format!("[{}]", elements?.join(", ")))

@@ -1,15 +1,14 @@
 //! The braces of an `fmu` line, and what instances lack at the start.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use fmi2::description::{Causality, Kind};
 
 use super::assign::Role;
 use super::fit::{Fitted, Meeting};
 use super::scope::Scope;
-use super::wire::Wired;
 use crate::diagnostic::Diagnostic;
-use crate::scenario::{BooleanExpression, Drive, Port, Preset, RealExpression, Value};
+use crate::scenario::{BooleanExpression, Drive, Preset, RealExpression, Value};
 use crate::source::Span;
 use crate::syntax;
 
@@ -55,30 +54,6 @@ impl Scope<'_, '_> {
                 .map(|(port, fitted)| Preset { variable: port.variable, value: constant(fitted) })
                 .collect(),
         )
-    }
-
-    /// Warns of inputs that nothing gives a value to.
-    pub fn warn_of_missing_starts(&self, connections: &[Wired], presets: &[Vec<Preset>]) {
-        let driven: BTreeSet<Port> = connections.iter().map(|wired| wired.connection.target).collect();
-        for (instance, declared) in self.script.instances.iter().enumerate() {
-            let Some(description) = self.description(instance) else { continue };
-            let given: BTreeSet<usize> = presets[instance].iter().map(|preset| preset.variable).collect();
-            let lacks = |(variable, declared): &(usize, &fmi2::description::Variable)| {
-                let port = Port { instance, variable: *variable };
-                declared.causality == Causality::Input
-                    && !declared.has_start()
-                    && !given.contains(variable)
-                    && !driven.contains(&port)
-            };
-            let names: Vec<_> =
-                description.variables.iter().enumerate().filter(lacks).map(|(_, v)| v.name.as_str()).collect();
-            if let [first, ..] = names.as_slice() {
-                let message = format!("`{}.{first}` has no driver and no start value", declared.name.text);
-                let others = if names.len() > 1 { format!(" (and {} more)", names.len() - 1) } else { String::new() };
-                let warning = Diagnostic::warning("W02", declared.name.span, message + &others);
-                self.report(warning.help("connect it, or give it a value in the braces of its fmu line"));
-            }
-        }
     }
 
     /// Warns of instances that draw the same random numbers.

@@ -3,7 +3,7 @@
 //! [`Shared`] holds all of that; a [`Scope`] is a small handle that says in which frame names are looked up.
 
 use std::cell::{Cell, RefCell};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
 use std::rc::Rc;
 
@@ -21,6 +21,7 @@ use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
 use crate::scenario::{BooleanExpression, Condition, Port};
 use crate::source::Span;
+use crate::spelling;
 use crate::syntax::{Binding, Expression, Word};
 
 /// A script with what is known about it.
@@ -40,6 +41,8 @@ pub(super) struct Shared<'a> {
     pub(super) conditions: RefCell<Conditions>,
     /// What drives each input, as far as connections have been resolved.
     pub(super) driven_by: RefCell<BTreeMap<Port, Span>>,
+    /// The places of the declared names that something refers to.
+    pub(super) used: RefCell<BTreeSet<Span>>,
     /// The units of measure that loaded units define, each meaning with the first instance whose unit does.
     pub(super) loaded: BTreeMap<String, Vec<(BaseUnit, usize)>>,
 }
@@ -89,6 +92,7 @@ impl<'a> Shared<'a> {
             open: RefCell::default(),
             conditions: RefCell::default(),
             driven_by: RefCell::default(),
+            used: RefCell::default(),
         }
     }
 
@@ -156,6 +160,13 @@ impl<'s, 'a> Scope<'s, 'a> {
         self.shared.script.frames.look_up(self.frame, name)
     }
 
+    /// The same for a name that a statement refers to, which is then used.
+    pub fn refer_to(self, name: &str) -> Option<Placed<Declaration<'a>>> {
+        let found = self.look_up(name)?;
+        self.shared.used.borrow_mut().insert(found.part.span());
+        Some(found)
+    }
+
     /// Evaluates every `let`, so that errors in unused ones are reported too.
     pub fn evaluate_lets(self) {
         for binding in &self.shared.script.lets {
@@ -207,9 +218,10 @@ impl<'s, 'a> Scope<'s, 'a> {
         description
     }
 
-    /// `quad.position.x`
+    /// `quad.position.x`, `plant.'der(x)'`: as scripts write it.
     pub fn port_name(&self, port: Port) -> String {
-        format!("{}.{}", self.script.instances[port.instance].name.text, self.variable(port).name)
+        let instance = &self.script.instances[port.instance].name.text;
+        format!("{instance}.{}", spelling::variable(&self.variable(port).name))
     }
 
     /// The text of the script at a place, on one line.
@@ -261,11 +273,13 @@ fn too_large(binding: &Binding, why: &str) -> Diagnostic {
 /// Line breaks and comments become single blanks.
 fn one_line(text: &str) -> String {
     let bare = text.lines().map(|line| {
-        let mut quote = None;
+        let (mut quote, mut is_escaped) = (None, false);
         let end = line.char_indices().find(|&(_, letter)| {
             match quote {
+                _ if is_escaped => is_escaped = false,
                 None if letter == '#' => return true,
                 None if letter == '"' || letter == '\'' => quote = Some(letter),
+                Some('"') if letter == '\\' => is_escaped = true,
                 Some(open) if open == letter => quote = None,
                 _ => {}
             }

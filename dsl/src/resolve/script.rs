@@ -96,13 +96,18 @@ pub(super) enum Declaration<'a> {
     Refused(&'a Word),
 }
 
-impl Declaration<'_> {
+impl<'a> Declaration<'a> {
+    /// The name.
+    pub fn word(&self) -> &'a Word {
+        match self {
+            Self::Parameter(binding) | Self::Let(binding) => &binding.name,
+            Self::Instance(_, word) | Self::Refused(word) => word,
+        }
+    }
+
     /// The place of the name.
     pub fn span(&self) -> Span {
-        match self {
-            Self::Parameter(binding) | Self::Let(binding) => binding.name.span,
-            Self::Instance(_, word) | Self::Refused(word) => word.span,
-        }
+        self.word().span
     }
 }
 
@@ -171,7 +176,10 @@ impl<'a> Script<'a> {
                 self.refuse_name(frame, &part.name.word);
                 found.push(not_yet(span, "`use`"));
             }
-            StatementKind::For { .. } => found.push(not_yet(span, "`for`")),
+            StatementKind::For { body, .. } => {
+                self.refuse_names(frame, body);
+                found.push(not_yet(span, "`for`"));
+            }
             StatementKind::When(_) => found.push(not_yet(span, "`when`")),
             StatementKind::While(_) => found.push(not_yet(span, "`while`")),
             StatementKind::Sweep(_) => found.push(not_yet(span, "`sweep`")),
@@ -181,6 +189,17 @@ impl<'a> Script<'a> {
     /// A name whose statement was refused: its uses report nothing. A declared name keeps its declaration.
     fn refuse_name(&mut self, frame: FrameId, name: &'a Word) {
         let _ = self.frames.declare(frame, &name.text, Declaration::Refused(name));
+    }
+
+    /// The instances that refused statements declare for the statements around them.
+    fn refuse_names(&mut self, frame: FrameId, statements: &'a [Statement]) {
+        for statement in statements {
+            match &statement.kind {
+                StatementKind::Fmu(part) | StatementKind::Use(part) => self.refuse_name(frame, &part.name.word),
+                StatementKind::For { body, .. } => self.refuse_names(frame, body),
+                _ => {}
+            }
+        }
     }
 
     fn claim(&mut self, claim: Placed<(&'a Name, &'a Expression)>, found: &mut Vec<Diagnostic>) {
@@ -279,12 +298,14 @@ impl<'a> Script<'a> {
             let error = Diagnostic::error("E24", name.span, format!("`{}` has a meaning already", name.text));
             let help = if name.text == "seed" { "write `param seed = …`" } else { "choose another name" };
             found.push(error.saying(meaning).help(help));
+            self.refuse_name(frame, name);
             return;
         }
         if let Err(first) = self.frames.declare(frame, &name.text, declaration) {
             let message = format!("`{}` is declared twice", name.text);
             let error = Diagnostic::error("E24", name.span, message).label(first, "declared here first");
             found.push(error.help("rename one of them"));
+            self.frames.refuse_if_unlike(frame, name, declaration);
         }
     }
 

@@ -11,6 +11,7 @@ use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
 use crate::scenario::{BooleanExpression, Port};
 use crate::source::Span;
+use crate::spelling;
 use crate::syntax::{Expression, Path, Segment, Word};
 
 /// What a path into a unit names.
@@ -45,7 +46,7 @@ impl Group {
 impl Scope<'_, '_> {
     /// The signal of a path that must begin with the name of an instance; `None` is reported, or follows from what was.
     pub fn signal(&self, path: &Path) -> Option<Signal> {
-        match self.look_up(&path.root.text).map(|found| found.part) {
+        match self.refer_to(&path.root.text).map(|found| found.part) {
             Some(Declaration::Instance(instance, _)) => self.walk(instance, String::new(), &path.tail, path),
             Some(Declaration::Refused(_)) => None,
             Some(Declaration::Parameter(_)) => self.refuse(not_a_port(&path.root, "a parameter of the script")),
@@ -78,8 +79,8 @@ impl Scope<'_, '_> {
         }
         if prefix.is_empty() {
             let message = format!("`{}` is a whole unit, and one of its ports is meant here", path.root.text);
-            let help =
-                format!("for example `{}.{}`", path.root.text, unit.variables.first().map_or("", |first| &first.name));
+            let first = unit.variables.first().map_or("", |first| &first.name);
+            let help = format!("for example `{}.{}`", path.root.text, spelling::variable(first));
             return self.refuse(Diagnostic::error("E01", path.span, message).help(help));
         }
         if let Some(variable) = unit.variable(&prefix) {
@@ -117,6 +118,11 @@ impl Scope<'_, '_> {
         if unit.has(&name) {
             return Some(name);
         }
+        // Names of structured variables may have single quotes of their own.
+        let quoted = format!("{dotted}'{}'", word.text);
+        if unit.has(&quoted) {
+            return Some(quoted);
+        }
         let declared = &self.script.instances[instance];
         let owner =
             if prefix.is_empty() { declared.name.text.clone() } else { format!("{}.{prefix}", declared.name.text) };
@@ -130,7 +136,7 @@ impl Scope<'_, '_> {
                 let rest = unit.variables[variable].name.get(dotted.len()..)?;
                 rest.get(..rest.find(['.', '[']).unwrap_or(rest.len()))
             });
-            Some(format!("did you mean `{}`? {all}", nearest(&written, names)?))
+            Some(format!("did you mean `{}`? {all}", spelling::variable(nearest(&written, names)?)))
         })
     }
 

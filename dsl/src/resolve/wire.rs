@@ -15,6 +15,7 @@ use super::signal::Signal;
 use crate::diagnostic::Diagnostic;
 use crate::scenario::{Connection, Port, duration};
 use crate::source::Span;
+use crate::spelling;
 use crate::syntax::{Arrow, ExpressionKind, Path};
 
 /// A connection with the place that it comes from.
@@ -114,9 +115,8 @@ impl Scope<'_, '_> {
         for (port, fitted) in assigned {
             let Fitted::Drive(source) = fitted else {
                 let error = Diagnostic::error("E21", at.source, "a file is given to a unit before the run");
-                self.report(
-                    error.help(format!("write it in the braces: `fmu … {{ {} = … }}`", self.variable(port).name)),
-                );
+                let name = spelling::variable(&self.variable(port).name);
+                self.report(error.help(format!("write it in the braces: `fmu … {{ {name} = … }}`")));
                 return Vec::new();
             };
             if direct && source.rises() {

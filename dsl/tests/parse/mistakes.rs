@@ -170,3 +170,41 @@ fn a_star_declares_no_name_and_is_reported_beside_an_index() {
         assert_eq!(messages(script), [star], "{script}");
     }
 }
+
+#[test]
+fn a_closing_brace_is_expected_only_where_one_is_open() {
+    let shown = all(&[
+        "assert c12: a.speed > 3 m/s always",
+        "assert c12: a.speed > 3 m/s eventually within 5 s",
+        "assert c12: eventually a.speed > 3 m/s within 5 s",
+        "assert c12: landed not",
+        "stop when landed always",
+        "record a.speed every 20 ms, a.velocity every 10 ms",
+        "let a = 3 m 4",
+        "step 5 ms 3",
+        "for i in 1..3 {\n  let a = 3 m 4\n}",
+    ]);
+    assert!(!shown.contains("expected `}`"), "{shown}");
+    insta::assert_snapshot!(shown);
+}
+
+#[test]
+fn a_statement_in_braces_is_shown_at_the_brace_that_is_never_closed() {
+    insta::assert_snapshot!(all(&[
+        "fmu c = \"wind\" { mean = [1,2,3] m/s\na.velocity => c.vehicle.velocity\nrecord a.velocity\n",
+        "fmu c = \"wind\" {\n  mean = [1,2,3] m/s\nlet a = 3\nfmu d = \"wind\" { seed = 1 }\n",
+        "at 3 s { set a.x = 3\na.velocity -> c.vehicle.velocity\n",
+        "fmu c = \"wind\" {\n  mean = [1,2,3] m/s\n  a.velocity => c.vehicle.velocity\n}\nrecord a.velocity\n",
+        "at 3 s {\n  set a.x = 3\n  stop 60 s\n}\n",
+    ]));
+}
+
+#[test]
+fn a_backslash_in_a_text_begins_an_escape() {
+    insta::assert_snapshot!(all(&[
+        r#"let a = "C:\data""#,
+        r#"fmu a = "dir\unit.fmu""#,
+        r#"let a = "open\""#,
+        r#"let a = "open\"#,
+    ]));
+}

@@ -252,3 +252,18 @@ fn grammar_refuses_what_the_reference_does() {
         assert_eq!(messages(script).len(), 1, "{script}");
     }
 }
+
+#[test]
+fn a_text_holds_quotes_backslashes_and_line_breaks_by_escapes() {
+    let text = |script: &str| match only(script) {
+        StatementKind::Let(binding) => match binding.value.kind {
+            ExpressionKind::Text(text) => text,
+            other => panic!("{other:?}"),
+        },
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(text(r#"let a = "say \"hi\" # -> \\ {"  # a comment"#), r#"say "hi" # -> \ {"#);
+    assert_eq!(text(r#"let a = "one\ntwo\tthree""#), "one\ntwo\tthree");
+    assert_eq!(text(r#"let a = "\\""#), "\\");
+    assert_eq!(text(r#"let a = "\\n""#), "\\n");
+}

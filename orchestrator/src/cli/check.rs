@@ -6,7 +6,7 @@ mod unit_file;
 mod unit_run;
 
 use super::exit_code;
-use crate::find::catalogue::Catalogue;
+use crate::find::catalogue::{Catalogue, is_archive};
 use crate::find::preparation::Refusal;
 use crate::find::script::Script;
 use dsl::diagnostic::Severity;
@@ -15,7 +15,6 @@ use fmi2::description::ModelDescription;
 use fmi2::printable;
 use results::report;
 use results::report::console::has_colour;
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Checks scripts and .fmu files, and runs nothing unless asked to.
@@ -109,7 +108,7 @@ impl Check {
     }
 
     fn one(&self, file: &Path, catalogue: &mut Option<Catalogue>) -> Result<Checked, String> {
-        if file.extension() == Some(OsStr::new("fmu")) {
+        if is_archive(file) {
             return unit_file::check(file).map_err(|error| error.to_string());
         }
         let catalogue = match catalogue {

@@ -1,6 +1,8 @@
 //! `lockstep describe`: a unit's variables, and all units that a script could name.
 
-use crate::find::catalogue::{Catalogue, Origin};
+use crate::find::catalogue::{Catalogue, Origin, is_archive};
+use dsl::scenario::Value;
+use dsl::spelling;
 use fmi2::description::{Causality, Kind, ModelDescription, Variable};
 use fmi2::printable;
 use results::report;
@@ -108,11 +110,12 @@ fn page(unit: &OsStr, description: &ModelDescription) -> String {
             continue;
         }
         let _ = writeln!(text, "\n{title}");
-        let width = of_kind.iter().map(|variable| variable.name.chars().count()).max().unwrap_or(0);
+        let width =
+            of_kind.iter().map(|variable| spelling::variable(&variable.name).chars().count()).max().unwrap_or(0);
         for variable in of_kind {
             let words = printable::line(variable.description.as_deref().unwrap_or_default());
             let (kind, start) = (kind(description, variable), start(description, variable));
-            let line = format!("  {:<width$}  {kind:<10}  {start:<12}  {words}", variable.name);
+            let line = format!("  {:<width$}  {kind:<10}  {start:<12}  {words}", spelling::variable(&variable.name));
             let _ = writeln!(text, "{}", line.trim_end());
         }
     }
@@ -122,12 +125,11 @@ fn page(unit: &OsStr, description: &ModelDescription) -> String {
 /// The line of a script that names the unit. A path that a script cannot name gets the line for a script beside it, if its
 /// file can be named.
 fn to_paste(unit: &OsStr) -> String {
-    let is_writable = |name: &&str| printable::line(name) == **name && !name.contains(['"', '\\']);
-    let file = Path::new(unit).file_name().unwrap_or(unit);
-    let line = |name: &str| {
-        let file = name.strip_suffix(".fmu").unwrap_or(name).rsplit('/').next().unwrap_or(name);
-        format!("  fmu {} = \"{name}\"\n", scenario_name(file))
-    };
+    let is_writable = |name: &&str| printable::line(name) == **name;
+    let path = Path::new(unit);
+    let file = path.file_name().unwrap_or(unit);
+    let stem = if is_archive(path) { path.file_stem().unwrap_or(file) } else { file };
+    let line = |name: &str| format!("  fmu {} = {}\n", scenario_name(&stem.to_string_lossy()), spelling::text(name));
     match (unit.to_str().filter(is_writable), file.to_str().filter(is_writable)) {
         (Some(name), _) => format!("\nto paste\n{}", line(name)),
         (None, Some(file)) => format!("\nto paste into a script beside it\n{}", line(file)),
@@ -152,20 +154,29 @@ fn kind(description: &ModelDescription, variable: &Variable) -> String {
     }
 }
 
-/// The start value, an enumeration's by the name of its item.
-fn start(description: &ModelDescription, variable: &Variable) -> String {
-    let item = |value: &i32| {
-        let found = description.items_of(variable).iter().find(|item| item.value == *value);
-        found.map_or_else(|| value.to_string(), |item| format!("\"{}\"", item.name))
+/// The start value as scripts write it, without its unit of measure; empty if there is none.
+pub(super) fn start(description: &ModelDescription, variable: &Variable) -> String {
+    let start = match &variable.kind {
+        Kind::Real(real) => real.start.map(Value::Real),
+        Kind::Integer { start, .. } | Kind::Enumeration { start, .. } => start.map(Value::Integer),
+        Kind::Boolean { start } => start.map(Value::Boolean),
+        Kind::String { start } => start.clone().map(Value::String),
     };
-    match &variable.kind {
-        Kind::Real(real) => real.start.map(results::shortest_decimal),
-        Kind::Integer { start, .. } => start.map(|value| value.to_string()),
-        Kind::Boolean { start } => start.map(|value| value.to_string()),
-        Kind::String { start } => start.as_ref().map(|value| format!("\"{}\"", printable::line(value))),
-        Kind::Enumeration { start, .. } => start.as_ref().map(item),
+    start.map(|start| value(description, variable, &start)).unwrap_or_default()
+}
+
+/// A value of a variable as scripts write it, without its unit of measure; an enumeration's by the name of its item.
+pub(super) fn value(description: &ModelDescription, variable: &Variable, value: &Value) -> String {
+    match value {
+        Value::Real(value) => results::shortest_decimal(*value),
+        Value::Integer(value) => {
+            let item = description.items_of(variable).iter().find(|item| item.value == *value);
+            item.map_or_else(|| value.to_string(), |item| printable::line(&spelling::text(&item.name)))
+        }
+        Value::Boolean(value) => value.to_string(),
+        Value::String(text) => printable::line(&spelling::text(text)),
+        Value::File(file) => format!("file({})", spelling::text(&file.path)),
     }
-    .unwrap_or_default()
 }
 
 #[cfg(test)]

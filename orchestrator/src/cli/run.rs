@@ -37,6 +37,9 @@ pub struct Run {
     /// Never build a unit
     #[arg(long)]
     no_build: bool,
+    /// Warnings about the script count as errors: the run does not begin
+    #[arg(long)]
+    strict: bool,
     /// Record nothing, whatever the script says
     #[arg(long, value_name = "none")]
     record: Option<Record>,
@@ -102,6 +105,9 @@ impl Run {
         let catalogue = preparation::catalogue(&self.units, !self.no_build)?;
         let script = Script::read(&self.script, &self.set, &catalogue, self.is_isolated())
             .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", printable::path(&self.script)), None))?;
+        if self.strict && !script.diagnostics.is_empty() {
+            return Err(preparation::refused_warnings(&script));
+        }
         #[cfg(feature = "bus")]
         let listening = self.live.listen()?;
         let options = self.options()?;

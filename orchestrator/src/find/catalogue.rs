@@ -1,6 +1,6 @@
 //! Finds the units that a script names, and builds those of the user's own workspace that are stale.
 //!
-//! A name that ends in `.fmu` is a path beside the script. Any other name is looked up in the folders of `--units`, then
+//! A name that ends in `.fmu` or `.FMU` is a path beside the script. Any other name is looked up in the folders of `--units`, then
 //! among the unit crates of the cargo workspace that the user's current folder is in. Nothing else is ever built.
 
 use dsl::loader::Problem as UnitProblem;
@@ -35,6 +35,20 @@ pub enum Origin {
     Archive(PathBuf),
     /// A crate of the workspace.
     Crate(UnitCrate),
+}
+
+impl Entry {
+    /// The name of the packed file.
+    fn file_name(&self) -> Option<String> {
+        let Origin::Archive(path) = &self.origin else { return None };
+        path.file_name().map(|name| name.to_string_lossy().into_owned())
+    }
+}
+
+/// Whether a name is that of a packed unit: it ends in `.fmu`, in letters of any case.
+#[must_use]
+pub fn is_archive(name: &Path) -> bool {
+    name.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu"))
 }
 
 impl Catalogue {
@@ -79,7 +93,7 @@ impl Catalogue {
     /// # Errors
     /// Says why there is none, with the nearest names.
     pub fn find(&self, name: &str, folder: &Path) -> Result<PathBuf, UnitProblem> {
-        if name.ends_with(".fmu") {
+        if is_archive(Path::new(name)) {
             let named = self.named.as_ref().filter(|(given, _)| given == name);
             let path = folder.join(named.map_or(Path::new(name), |(_, path)| path));
             return if path.is_file() { Ok(path) } else { Err(no_file(name, &path)) };
@@ -123,7 +137,7 @@ impl Catalogue {
 
 fn no_file(name: &str, path: &Path) -> UnitProblem {
     let near = archives_in(path.parent().unwrap_or(Path::new(".")));
-    let names: Vec<_> = near.iter().map(|entry| format!("{}.fmu", entry.name)).collect();
+    let names: Vec<_> = near.iter().filter_map(Entry::file_name).collect();
     let file_name = Path::new(name).file_name().map(|file| file.to_string_lossy().into_owned()).unwrap_or_default();
     let help = dsl::nearest::nearest(&file_name, names.iter().map(String::as_str)).map_or_else(
         || "paths are relative to the script".to_owned(),
@@ -134,7 +148,7 @@ fn no_file(name: &str, path: &Path) -> UnitProblem {
 
 fn archives_in(folder: &Path) -> Vec<Entry> {
     let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let archives = files.filter(|path| path.is_file() && path.extension().is_some_and(|extension| extension == "fmu"));
+    let archives = files.filter(|path| path.is_file() && is_archive(path));
     let mut entries: Vec<_> = archives
         .filter_map(|path| Some(Entry { name: path.file_stem()?.to_str()?.to_owned(), origin: Origin::Archive(path) }))
         .collect();
@@ -154,6 +168,10 @@ mod tests {
         assert_eq!(catalogue.find("tank.fmu", folder.path()).unwrap(), folder.path().join("tank.fmu"));
         let problem = catalogue.find("tamk.fmu", folder.path()).unwrap_err();
         assert_eq!(problem.help.as_deref(), Some("paths are relative to the script; did you mean `tank.fmu`?"));
+        std::fs::write(folder.path().join("PUMP.FMU"), "").unwrap();
+        assert_eq!(catalogue.find("PUMP.FMU", folder.path()).unwrap(), folder.path().join("PUMP.FMU"));
+        let problem = catalogue.find("PUMP.fmu", folder.path()).unwrap_err();
+        assert_eq!(problem.help.as_deref(), Some("paths are relative to the script; did you mean `PUMP.FMU`?"));
     }
 
     #[test]

@@ -3,13 +3,14 @@
 mod checkpoints;
 
 use crate::find::catalogue::Catalogue;
-use crate::find::script::Script;
+use crate::find::script::{Script, given_file};
 use crate::run::home::Home;
 use crate::run::interruption::Completion;
 use crate::run::prepared_run::PreparedRun;
 use crate::run::run_options::RunOptions;
 use crate::run::run_spec::{RunSpec, SaveSpec, UnitSpec};
 use checkpoints::{Candidate, Checkpoints};
+use dsl::loader::Problem;
 use dsl::nearest::nearest;
 use dsl::scenario::{Scenario, Value};
 use fmi2::description::{Finding, Severity};
@@ -52,6 +53,19 @@ pub fn catalogue(folders: &[PathBuf], build: bool) -> Result<Catalogue, Refusal>
     Catalogue::new(folders.to_vec(), &current, build).map_err(|error| Refusal::new(&error, None))
 }
 
+/// The refusal of a script whose warnings count as errors.
+#[must_use]
+pub fn refused_warnings(script: &Script) -> Refusal {
+    let rendered = script.rendered(has_colour(&std::io::stderr()));
+    if script.has_errors() {
+        return Refusal(rendered);
+    }
+    let warnings = script.diagnostics.len();
+    let counted = if warnings == 1 { "its warning".to_owned() } else { format!("its {warnings} warnings") };
+    let message = format!("{} does not run with --strict because of {counted}", script.name);
+    Refusal(rendered + &error_text(&message, None))
+}
+
 /// The units of a script, unpacked into the private folder of the run; they serve all cases of the script.
 #[derive(Debug)]
 pub struct UnpackedUnits {
@@ -82,7 +96,8 @@ fn private_folder() -> Result<Home, Refusal> {
         .map_err(|error| Refusal::new(&format!("cannot make a folder for the units: {error}"), Some(OTHER_TMPDIR)))?;
     let root = home.path().parent().unwrap_or(home.path());
     if process::forbids_libraries(home.path()) {
-        let message = format!("no library can be loaded from {}: its file system is mounted noexec", root.display());
+        let message =
+            format!("no library can be loaded from {}: its file system is mounted noexec", fmi2::printable::path(root));
         return Err(Refusal::new(&message, Some(OTHER_TMPDIR)));
     }
     if home.is_replaceable() {
@@ -216,14 +231,10 @@ fn files_of(scenario: &Scenario, folder: &Path) -> Result<Vec<HashedFile>, Refus
         if files.iter().any(|file| file.name == *name) {
             continue;
         }
-        let refused = |error: std::io::Error| Refusal::new(&format!("cannot read file(\"{name}\"): {error}"), None);
-        let home = folder.canonicalize().map_err(refused)?;
-        let path = folder.join(name).canonicalize().map_err(refused)?;
-        if !path.starts_with(&home) {
-            let message = format!("file(\"{name}\") lies outside of the script's folder {}", printable::path(folder));
-            return Err(Refusal::new(&message, Some("put it beside the script")));
-        }
-        let bytes = std::fs::read(&path).map_err(refused)?;
+        let refused = |problem: Problem| Refusal::new(&problem.message, problem.help.as_deref());
+        let path = given_file(folder, name).map_err(refused)?;
+        let unreadable = |error| Refusal::new(&format!("cannot read {}: {error}", printable::path(&path)), None);
+        let bytes = std::fs::read(&path).map_err(unreadable)?;
         files.push(HashedFile { name: name.clone(), sha256: sha256(&bytes) });
     }
     Ok(files)
@@ -302,7 +313,9 @@ mod tests {
         std::fs::create_dir(&inner).unwrap();
         std::fs::write(home.path().join("secret"), "").unwrap();
         std::os::unix::fs::symlink("../secret", inner.join("link")).unwrap();
-        for (name, text) in [("../secret", "outside"), ("link", "outside"), ("none.csv", "cannot read")] {
+        for (name, text) in
+            [("../secret", "outside"), ("link", "outside"), ("none.csv", "cannot be read"), (".", "is not a file")]
+        {
             let refusal = files_of(&with_file(name), &inner).map(drop).unwrap_err();
             assert!(refusal.0.contains(text), "{}", refusal.0);
         }

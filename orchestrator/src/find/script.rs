@@ -174,12 +174,36 @@ impl Loader for Files<'_> {
         Ok(Source::new(file.display().to_string(), text))
     }
 
+    fn file(&self, from: &Source, path: &str) -> Result<(), Problem> {
+        given_file(self.folder_of(from), path).map(drop)
+    }
+
     fn table(&self, from: &Source, path: &str) -> Result<Table, Problem> {
         let (_, text) = self.read(from, path)?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
         let mut lines = text.lines().filter(|line| !line.trim().is_empty()).map(cells);
         Ok(Table { header: lines.next().unwrap_or_default(), rows: lines.collect() })
     }
+}
+
+/// The file that `file("…")` names: it can be read and is in the folder of the script.
+///
+/// # Errors
+/// Why a unit cannot be given the file.
+pub fn given_file(folder: &Path, name: &str) -> Result<PathBuf, Problem> {
+    let unreadable =
+        |error: io::Error| Problem { message: format!("file {name:?} cannot be read: {error}"), help: None };
+    let home = folder.canonicalize().map_err(unreadable)?;
+    let path = folder.join(name).canonicalize().map_err(unreadable)?;
+    if !path.starts_with(&home) {
+        let message = format!("file {name:?} is outside of the script's folder {}", printable::path(folder));
+        return Err(Problem { message, help: Some("put it beside the script".to_owned()) });
+    }
+    if !path.is_file() {
+        return Err(Problem { message: format!("{name:?} is not a file"), help: None });
+    }
+    std::fs::File::open(&path).map_err(unreadable)?;
+    Ok(path)
 }
 
 /// The cells of a line between commas; a quoted cell may hold commas, and a doubled quote is one quote.

@@ -105,7 +105,8 @@ pub fn read_loadable(fmu: &Path) -> Result<(ModelDescription, Vec<Finding>), Uni
     let (mut archive, survey) = open(fmu)?;
     let (description, findings) = description(&mut archive, &survey, fmu)?;
     let files = survey.entries.iter().filter(|entry| !entry.is_folder).map(|entry| &entry.name);
-    let mut present: Vec<_> = files.filter(|name| name.starts_with("binaries/")).cloned().collect();
+    let is_code = |name: &&String| name.starts_with("binaries/") || name.starts_with("sources/");
+    let mut present: Vec<_> = files.filter(is_code).cloned().collect();
     present.sort();
     library_among(present, &description)?;
     Ok((description, findings))

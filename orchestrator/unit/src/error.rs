@@ -35,12 +35,15 @@ pub enum UnitError {
         finding: Finding,
     },
     /// The unit has no `CoSimulation` element.
-    NoCoSimulation,
+    NoCoSimulation {
+        /// Whether it has a `ModelExchange` element.
+        model_exchange: bool,
+    },
     /// There is no library for this platform.
     NoBinary {
         /// The file that is needed, relative to the unit's folder.
         wanted: String,
-        /// The files that exist instead, relative to the unit's folder.
+        /// The files below `binaries/` and `sources/`, relative to the unit's folder.
         present: Vec<String>,
     },
     /// The system's loader refuses the library.
@@ -75,6 +78,8 @@ pub enum UnitError {
 pub enum Refusal {
     /// It needs a library that this system does not have.
     MissingLibrary(String),
+    /// It needs a library that is in its own folder, where the system does not look for it.
+    LibraryBeside(String),
     /// It needs a symbol that no loaded library has.
     MissingSymbol(String),
     /// Anything else, as the loader's message.
@@ -86,7 +91,8 @@ impl Refusal {
     pub(super) fn of(library: &Path, message: &str) -> Self {
         let (subject, rest) = message.split_once(": ").unwrap_or(("", message));
         if rest.starts_with("cannot open shared object file") && Path::new(subject) != library {
-            Self::MissingLibrary(subject.to_owned())
+            let is_beside = library.parent().is_some_and(|folder| folder.join(subject).is_file());
+            if is_beside { Self::LibraryBeside(subject.to_owned()) } else { Self::MissingLibrary(subject.to_owned()) }
         } else if let Some(symbol) = rest.strip_prefix("undefined symbol: ") {
             Self::MissingSymbol(symbol.to_owned())
         } else {
@@ -100,7 +106,7 @@ impl UnitError {
     #[must_use]
     pub fn of_unit(&self, unit: &str) -> String {
         match self {
-            Self::NoCoSimulation | Self::NoBinary { .. } => format!("unit `{unit}`: {self}"),
+            Self::NoCoSimulation { .. } | Self::NoBinary { .. } => format!("unit `{unit}`: {self}"),
             _ => self.to_string(),
         }
     }
@@ -117,19 +123,29 @@ impl fmt::Display for UnitError {
             Self::Description { archive, finding } => {
                 write!(f, "{}: modelDescription.xml:{finding}", printable::path(archive))
             }
-            Self::NoCoSimulation => f.write_str("the unit has no CoSimulation element, only model exchange"),
-            Self::NoBinary { wanted, present } => {
-                write!(f, "the unit has no library for this platform: `{wanted}` is not there, ")?;
-                match present.as_slice() {
-                    [] => f.write_str("nor any other below `binaries/`"),
-                    present => write!(f, "only `{}`", present.join("`, `")),
-                }
+            Self::NoCoSimulation { model_exchange: true } => {
+                f.write_str("the unit has no CoSimulation element, only model exchange")
             }
+            Self::NoCoSimulation { model_exchange: false } => {
+                f.write_str("its description has neither a CoSimulation nor a ModelExchange element")
+            }
+            Self::NoBinary { wanted, present } => no_binary(f, wanted, present),
             Self::Loader { library, refusal } => {
                 let library = printable::path(library);
                 match refusal {
                     Refusal::MissingLibrary(name) => {
                         write!(f, "{library} needs the library `{name}`, which this system does not have")
+                    }
+                    Refusal::LibraryBeside(name) => {
+                        write!(
+                            f,
+                            "{library} needs the library `{name}`, which is in the same folder, where the system "
+                        )?;
+                        write!(
+                            f,
+                            "does not look for it: the unit should be linked with `-Wl,-rpath,'$ORIGIN'`; until "
+                        )?;
+                        write!(f, "then copy `{name}` to a folder that LD_LIBRARY_PATH names")
                     }
                     Refusal::MissingSymbol(name) => {
                         write!(f, "{library} needs the symbol `{name}`, which no loaded library has")
@@ -143,6 +159,27 @@ impl fmt::Display for UnitError {
             Self::Version { library, function, expected, found } => {
                 write!(f, "{}: {function} should answer `{expected}`, but answers `{found}`", printable::path(library))
             }
+        }
+    }
+}
+
+fn no_binary(f: &mut fmt::Formatter<'_>, wanted: &str, present: &[String]) -> fmt::Result {
+    let (binaries, others): (Vec<_>, Vec<_>) = present.iter().partition(|name| name.starts_with("binaries/"));
+    match (binaries.as_slice(), others.is_empty()) {
+        ([], false) => {
+            f.write_str("the unit has sources only, which Lockstep does not compile: ")?;
+            write!(f, "build `{wanted}` from them and add it to the archive")
+        }
+        ([], true) => {
+            write!(
+                f,
+                "the unit has no library for this platform: `{wanted}` is not there, nor any other below `binaries/`"
+            )
+        }
+        (binaries, _) => {
+            let binaries: Vec<&str> = binaries.iter().map(|name| name.as_str()).collect();
+            write!(f, "the unit has no library for this platform: `{wanted}` is not there, ")?;
+            write!(f, "only `{}`", binaries.join("`, `"))
         }
     }
 }

@@ -139,12 +139,13 @@ fn c_string(text: &str) -> CString {
     CString::new(&text[..end]).unwrap_or_default()
 }
 
-/// The library for this platform, from the files below `binaries/`.
+/// The library for this platform, from the files below `binaries/` and `sources/`.
 ///
 /// # Errors
 /// The unit does not support co-simulation, or has no such library.
 pub(super) fn library_among(present: Vec<String>, description: &ModelDescription) -> Result<String, UnitError> {
-    let co_simulation = description.co_simulation.as_ref().ok_or(UnitError::NoCoSimulation)?;
+    let model_exchange = description.model_exchange.is_some();
+    let co_simulation = description.co_simulation.as_ref().ok_or(UnitError::NoCoSimulation { model_exchange })?;
     let file = format!("{}{}", co_simulation.model_identifier, std::env::consts::DLL_SUFFIX);
     let mut candidates = FOLDERS.iter().map(|platform| format!("binaries/{platform}/{file}"));
     candidates
@@ -152,7 +153,8 @@ pub(super) fn library_among(present: Vec<String>, description: &ModelDescription
         .ok_or_else(|| UnitError::NoBinary { wanted: format!("binaries/{}/{file}", FOLDERS[0]), present })
 }
 
-/// The files below `binaries/`, such as `binaries/linux64/other.so`, sorted; of an empty folder its own path.
+/// The files below `binaries/`, such as `binaries/linux64/other.so`, sorted; of an empty folder, and of `sources/`, its own
+/// path.
 fn present_libraries(folder: &Path) -> Vec<String> {
     let names = |folder: &Path| -> Vec<String> {
         let entries = fs::read_dir(folder).into_iter().flatten().flatten();
@@ -167,6 +169,9 @@ fn present_libraries(folder: &Path) -> Vec<String> {
             [] => present.push(format!("binaries/{platform}/")),
             files => present.extend(files.iter().map(|file| format!("binaries/{platform}/{file}"))),
         }
+    }
+    if folder.join("sources").is_dir() {
+        present.push("sources/".to_owned());
     }
     present
 }

@@ -218,19 +218,6 @@ fn a_window_after_the_end_is_a_warning() {
 }
 
 #[test]
-fn an_input_without_driver_and_start_value_is_a_warning() {
-    insta::assert_snapshot!(shown(&flight("fmu two = \"quadcopter_controller\" { stream = 1 }")), @r#"
-    warning[W02]: `two.unset` has no driver and no start value
-     --> test.scn:7:5
-      |
-    7 | fmu two = "quadcopter_controller" { stream = 1 }
-      |     ^^^
-      |
-      = help: connect it, or give it a value in the braces of its fmu line
-    "#);
-}
-
-#[test]
 fn two_instances_with_one_seed_and_stream_are_a_warning() {
     insta::assert_snapshot!(shown(&flight("fmu gust = \"wind\"")), @r#"
     warning[W03]: `wind` and `gust` draw the same random numbers

@@ -31,6 +31,11 @@ impl Loader for Noting {
         Memory.text(from, path)
     }
 
+    fn file(&self, from: &Source, path: &str) -> Result<(), Problem> {
+        self.note("file", from, path);
+        Memory.file(from, path)
+    }
+
     fn table(&self, from: &Source, path: &str) -> Result<Table, Problem> {
         self.note("table", from, path);
         Memory.table(from, path)

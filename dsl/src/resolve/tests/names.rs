@@ -249,3 +249,37 @@ fn a_setting_of_another_dimension_is_refused() {
       = help: write a value of the same kind, for example `gust = 4 m/s`
     "#);
 }
+
+#[test]
+fn a_reserved_name_is_one_error_however_often_it_is_used() {
+    for (name, lines) in [
+        ("pi", "fmu pi = \"quadcopter\"\npi.state -> ctrl.state\nwind.velocity -> pi.wind\nlet a = pi.roll"),
+        ("time", "let time = 3 m\nlet a = time + 1 m\nassert b: time > 1 m"),
+        ("seed", "fmu seed = \"wind\"\nseed.velocity -> quad.wind"),
+    ] {
+        let shown = shown(&flight(lines));
+        assert!(shown.starts_with(&format!("error[E24]: `{name}` has a meaning already")), "{shown}");
+        assert_eq!(shown.matches("error[").count(), 1, "{shown}");
+    }
+}
+
+#[test]
+fn names_of_a_loop_that_is_refused_are_not_missed_after_it() {
+    let lines = "for i in 1..3 {\n  fmu uav[i] = \"quadcopter\"\n  for j in 1..2 { use pilot[j] = \"part.scn\" }\n}\n\
+                 uav[1].state -> ctrl.state\nassert a: always pilot[2].x > 3 m\nrecord uav[*].roll, pilot[1].x";
+    let shown = shown(&flight(lines));
+    assert_eq!(shown.matches("error[").count(), 1, "{shown}");
+}
+
+#[test]
+fn a_name_of_an_instance_and_of_a_value_is_one_error() {
+    let shown = shown(&flight("let quad = 3 m\nlet b = quad + 1 m\nwind.velocity -> quad.wind"));
+    assert_eq!(shown.matches("error[").count(), 1, "{shown}");
+}
+
+#[test]
+fn wrong_files_are_errors_at_their_places_all_at_once() {
+    let lines = "fmu a = \"quadcopter_controller\" { map = file(\"../x.py\"), unst = 3 }\nlet f = file(\"../y\")\n\
+                 fmu b = \"quadcopter_controller\" { map = file(\"yard.csv\"), seed = 2 }";
+    insta::assert_snapshot!(shown(&flight(lines)));
+}

@@ -1,11 +1,11 @@
 //! A file with a table: its names first, then its rows.
 
-use fmi2::printable;
 use super::TableError;
 use super::cell::CellType;
 use super::parquet::ParquetTable;
 use super::sheet::{Sheet, Wrong};
 use crate::run_folder::{PARTIAL, TRACE_CSV, TRACE_PARQUET};
+use fmi2::printable;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};

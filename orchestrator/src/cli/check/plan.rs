@@ -2,7 +2,9 @@
 
 use super::counted;
 use super::fold::{groups, without_shared_members};
-use dsl::scenario::{Connection, Drive, InitialStep, Port, RealExpression, Scenario, duration};
+use crate::cli::describe;
+use dsl::scenario::{Action, Connection, Drive, InitialStep, Port, RealExpression, Scenario, Value, duration};
+use dsl::spelling;
 use fmi2::description::{Causality, ModelDescription, Variable};
 use results::shortest_decimal;
 use std::borrow::Cow;
@@ -13,7 +15,8 @@ use unit::time::seconds;
 /// The plan of a script.
 pub(super) fn text(scenario: &Scenario, descriptions: &[&ModelDescription]) -> String {
     let plan = Plan { scenario, descriptions };
-    let sections = [plan.times(), plan.units(), plan.connections(), plan.initialization(), plan.delays()];
+    let sections =
+        [plan.times(), plan.units(), plan.connections(), plan.undriven(), plan.initialization(), plan.delays()];
     sections.into_iter().filter(|section| !section.is_empty()).map(|section| section + "\n").collect()
 }
 
@@ -111,7 +114,7 @@ impl Plan<'_> {
         match source {
             Drive::Real(RealExpression::Constant(value)) => shortest_decimal(*value),
             Drive::Integer(value) => value.to_string(),
-            Drive::String(text) => format!("\"{text}\""),
+            Drive::String(text) => spelling::text(text),
             Drive::Copy(_) | Drive::Real(_) | Drive::Boolean(_) | Drive::Curve(_) => "time".to_owned(),
         }
     }
@@ -128,6 +131,46 @@ impl Plan<'_> {
             Drive::Boolean(_) => "computed".to_owned(),
             Drive::Curve(_) => "from a table".to_owned(),
         }
+    }
+
+    /// The inputs that no connection drives, with the value that each keeps and where that comes from.
+    fn undriven(&self) -> String {
+        let driven: BTreeSet<Port> = self.scenario.connections.iter().map(|connection| connection.target).collect();
+        let actions = self.scenario.events.iter().flat_map(|event| &event.actions);
+        let set: BTreeSet<Port> = actions
+            .filter_map(|action| match action {
+                Action::Set(set) => Some(set.target),
+                Action::Fault(_) => None,
+            })
+            .collect();
+        let mut lines = Vec::new();
+        for (instance, description) in self.descriptions.iter().enumerate() {
+            let presets = &self.scenario.instances[instance].presets;
+            let preset: BTreeMap<usize, &Value> = presets.iter().map(|it| (it.variable, &it.value)).collect();
+            for (index, variable) in description.variables.iter().enumerate() {
+                let port = Port { instance, variable: index };
+                if variable.causality != Causality::Input || driven.contains(&port) {
+                    continue;
+                }
+                let (value, origin) = match preset.get(&index) {
+                    Some(value) => (describe::value(description, variable, value), "from the script"),
+                    None if variable.has_start() => (describe::start(description, variable), "start value of the unit"),
+                    None => (String::new(), "no start value"),
+                };
+                let measure = description.unit_of(variable).filter(|measure| !value.is_empty() && *measure != "1");
+                let value = format!("{value} {}", measure.unwrap_or_default());
+                let until = if set.contains(&port) { ", until it is `set`" } else { "" };
+                let name = format!("{}.{}", self.instance(instance), spelling::variable(&variable.name));
+                lines.push((name, value.trim_end().to_owned(), format!("{origin}{until}")));
+            }
+        }
+        let name_width = width(lines.iter().map(|(name, _, _)| name.as_str()));
+        let value_width = width(lines.iter().map(|(_, value, _)| value.as_str()));
+        let mut text = String::from("inputs that no connection drives\n");
+        for (name, value, origin) in &lines {
+            let _ = writeln!(text, "  {name:<name_width$}  {value:<value_width$}  {origin}");
+        }
+        if lines.is_empty() { String::new() } else { text }
     }
 
     fn initialization(&self) -> String {

@@ -60,9 +60,9 @@ impl Alone {
         }
         let text = self.text(experiment, &others);
         let mut script = Script::of_text("lockstep simulate".to_owned(), PathBuf::from("."), text, &[], catalogue);
-        // What an input without start value and driver gets is the unit's own affair. The start of the experiment is
-        // observed here, and another step is warned of in `experiment`.
-        script.diagnostics.retain(|diagnostic| !["W02", "W07", "W08"].contains(&diagnostic.code));
+        // The inner script drives and records nothing: that is added to its meaning. The start of the experiment is observed
+        // here, and another step is warned of in `experiment`.
+        script.diagnostics.retain(|diagnostic| !["W02", "W06", "W07", "W08"].contains(&diagnostic.code));
         script.name.clone_from(&self.unit);
         if let Some(scenario) = &mut script.scenario {
             self.complete(scenario, presets, curves);
@@ -170,13 +170,14 @@ pub(super) mod tests {
         let catalogue = Catalogue::new(vec![folder.path().to_owned()], folder.path(), false).unwrap();
         let alone = Alone::find("tank", &catalogue).unwrap();
         let settings: Vec<_> = settings.iter().map(|&setting| setting.to_owned()).collect();
-        alone.script(
-            &Experiment { start_tick: 0, stop_s: 2.0, step_s: 0.01, notes: Vec::new() },
-            &settings,
-            curves,
-            &catalogue,
-        )
-        .unwrap()
+        alone
+            .script(
+                &Experiment { start_tick: 0, stop_s: 2.0, step_s: 0.01, notes: Vec::new() },
+                &settings,
+                curves,
+                &catalogue,
+            )
+            .unwrap()
     }
 
     #[test]

@@ -51,7 +51,7 @@ impl Survey {
         let mut survey = Self { entries: Vec::with_capacity(archive.len()), findings: Vec::new() };
         let mut total: u64 = 0;
         for index in 0..archive.len() {
-            let entry = survey.entry(archive, index)?;
+            let Some(entry) = survey.entry(archive, index)? else { continue };
             total = total.saturating_add(entry.size);
             if total > MAX_BYTES {
                 return Err(Problem::of(&entry.name, format!("brings the unit beyond {MAX_BYTES} bytes")));
@@ -62,7 +62,8 @@ impl Survey {
         Ok(survey)
     }
 
-    fn entry<R: Read + Seek>(&mut self, archive: &mut ZipArchive<R>, index: usize) -> Result<Entry, Problem> {
+    /// An entry; none for the unit's own folder, `./`, which is there without it.
+    fn entry<R: Read + Seek>(&mut self, archive: &mut ZipArchive<R>, index: usize) -> Result<Option<Entry>, Problem> {
         let unreadable = |error: zip::result::ZipError| Problem::new(format!("entry {index} cannot be read: {error}"));
         let file = archive.by_index_raw(index).map_err(unreadable)?;
         let raw = file.name().map_err(unreadable)?.into_owned();
@@ -86,10 +87,17 @@ impl Survey {
         if is_folder && size > 0 {
             return Err(Problem::of(&raw, "is a folder with contents of its own"));
         }
-        Ok(Entry { index, name, is_folder, size, executable: mode & 0o100 != 0 })
+        match (name.is_empty(), is_folder) {
+            (true, false) => Err(Problem::of(&raw, "has no name")),
+            (true, true) => {
+                self.warn(format!("entry `{raw}` is the folder of the unit itself; leave it out"));
+                Ok(None)
+            }
+            _ => Ok(Some(Entry { index, name, is_folder, size, executable: mode & 0o100 != 0 })),
+        }
     }
 
-    /// The name as a relative path that does not leave the unit's folder.
+    /// The name as a relative path that does not leave the unit's folder; empty for that folder itself.
     fn safe_name(&mut self, raw: &str) -> Result<String, Problem> {
         let refuse = |why: &str| Err(Problem::of(raw, why));
         let name = raw.replace('\\', "/");
@@ -108,10 +116,10 @@ impl Survey {
             return refuse("leads out of its folder by `..`");
         }
         let parts: Vec<_> = name.split('/').filter(|part| !["", "."].contains(part)).collect();
-        if parts.is_empty() {
-            return refuse("has no name");
-        }
         let tidy = parts.join("/");
+        if tidy.is_empty() {
+            return Ok(tidy);
+        }
         if raw.contains('\\') {
             self.warn(format!("entry `{raw}` has backslashes in its path; expected `{name}`"));
         } else if name.trim_end_matches('/') != tidy {

@@ -141,6 +141,26 @@ fn backslashes_and_dots_are_tolerated_with_a_warning() {
 }
 
 #[test]
+fn an_entry_for_the_folder_itself_is_read_and_one_that_leaves_it_is_not() {
+    let patch = |name: &str| patched(&archive(&[("xxxx", b""), ("resources/b", b"y")]), b"xxxx", name.as_bytes());
+    for name in ["././", ".///"] {
+        let (description, findings) = inspect(&patch(name)).unwrap();
+        assert_eq!(description.guid, "b");
+        let expected = format!("entry `{name}` is the folder of the unit itself; leave it out");
+        assert_eq!(findings[0].message, expected);
+    }
+    assert_eq!(refusal(&patch("/./.")), "archive: entry `/./.` has an absolute path");
+    assert_eq!(refusal(&patch("./..")), "archive: entry `./..` leads out of its folder by `..`");
+    let folder = tempfile::tempdir().unwrap();
+    let (fmu, into) = (folder.path().join("a.fmu"), folder.path().join("unpacked"));
+    fs::write(&fmu, patch("././")).unwrap();
+    unpack(&fmu, &into).unwrap();
+    assert_eq!(fs::read_to_string(into.join("resources/b")).unwrap(), "y");
+    let full = patched(&stored("xxxx", b"z"), b"xxxx", b"././");
+    assert_eq!(refusal(&full), "archive: entry `././` is a folder with contents of its own");
+}
+
+#[test]
 fn files_are_unpacked_into_a_private_folder_with_rights_for_their_owner_only() {
     let folder = tempfile::tempdir().unwrap();
     let (fmu, into) = (folder.path().join("a.fmu"), folder.path().join("unpacked"));

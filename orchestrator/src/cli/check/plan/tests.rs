@@ -62,6 +62,10 @@ impl Loader for Tank {
         unreachable!("the script names no text, but `{path}` was asked for")
     }
 
+    fn file(&self, _: &Source, path: &str) -> Result<(), Problem> {
+        unreachable!("the script names no file, but `{path}` was asked for")
+    }
+
     fn table(&self, _: &Source, path: &str) -> Result<Table, Problem> {
         unreachable!("the script names no table, but `{path}` was asked for")
     }
