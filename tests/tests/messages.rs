@@ -56,11 +56,10 @@ fn a_wide_field_among_the_arguments_of_a_message_keeps_nobody_waiting() {
 #[test]
 fn a_name_in_a_description_forges_no_line_in_any_command() {
     let forging = OUTPUT.replace("\"y\"", "\"y&#10;error: forged&#x9b;m\" description=\"b&#10;error: forged\"");
-    let folder = talker(&forging, "R[0] = T;");
+    let input = forging.replace("\"y&", "\"u&").replace("=\"0\"", "=\"1\"").replace("output", "input");
+    let folder = talker(&(forging + &input.replace("<Real/>", "<Real start=\"1\"/>")), "R[0] = T;");
     fs::copy(folder.path().join("talker.fmu"), folder.path().join("b\nerror: forged\u{1b}[2J.fmu")).unwrap();
-    let script = format!("{SCRIPT}record a.'y error: forged\u{9b}m'\n");
-    fs::write(folder.path().join("a.scn"), &script).unwrap();
-    fs::write(folder.path().join("b\nerror: forged\u{1b}[2J.scn"), script).unwrap();
+    fs::write(folder.path().join("b\nerror: forged\u{1b}[2J.scn"), SCRIPT).unwrap();
     let check = |said: Said| {
         let text = said.out + &said.err;
         assert!(!text.lines().any(|line| line.starts_with("error: forged")), "{text}");
@@ -74,7 +73,8 @@ fn a_name_in_a_description_forges_no_line_in_any_command() {
         "check a.scn -v",
         "check b\nerror: forged\u{1b}[2J.scn",
         "check b\nerror: forged\u{1b}[2J.fmu",
-        "run a.scn --out runs/a",
+        "run a.scn",
+        "simulate talker.fmu --out runs/a",
         "run b\nerror: forged\u{1b}[2J.scn",
         "run none\nerror: forged\u{1b}[2J.scn",
         "simulate talker.fmu --out runs/b",

@@ -60,10 +60,10 @@ impl<'a> Frames<'a> {
     /// because it is not known which of them is meant.
     pub fn refuse_if_unlike(&mut self, frame: FrameId, name: &'a Word, second: Declaration<'a>) {
         let is_instance = |declaration: &Declaration<'_>| matches!(declaration, Declaration::Instance(..));
-        if let Some(first) = self.0[frame.0].names.get_mut(name.text.as_str()) {
-            if is_instance(first) != is_instance(&second) {
-                *first = Declaration::Refused(first.word());
-            }
+        if let Some(first) = self.0[frame.0].names.get_mut(name.text.as_str())
+            && is_instance(first) != is_instance(&second)
+        {
+            *first = Declaration::Refused(first.word());
         }
     }
 

@@ -116,7 +116,7 @@ fn page(unit: &OsStr, description: &ModelDescription) -> String {
             let words = printable::line(variable.description.as_deref().unwrap_or_default());
             let (kind, start) = (kind(description, variable), start(description, variable));
             let line = format!("  {:<width$}  {kind:<10}  {start:<12}  {words}", spelling::variable(&variable.name));
-            let _ = writeln!(text, "{}", line.trim_end());
+            let _ = writeln!(text, "{}", printable::line(line.trim_end()));
         }
     }
     text + &to_paste(unit)

@@ -43,7 +43,7 @@ impl Diff {
                 return 2;
             }
         };
-        let names = [&self.a, &self.b].map(|path| printable::path(path));
+        let names = [&self.a, &self.b].map(printable::path);
         for (table, name) in tables.iter().zip(&names).filter(|(table, _)| table.partial) {
             let rows = table.time_s().len();
             report::status(&format!("note: {name} did not come to its end: {rows} rows are compared"));

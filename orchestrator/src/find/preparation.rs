@@ -97,7 +97,7 @@ fn private_folder() -> Result<Home, Refusal> {
     let root = home.path().parent().unwrap_or(home.path());
     if process::forbids_libraries(home.path()) {
         let message =
-            format!("no library can be loaded from {}: its file system is mounted noexec", fmi2::printable::path(root));
+            format!("no library can be loaded from {}: its file system is mounted noexec", printable::path(root));
         return Err(Refusal::new(&message, Some(OTHER_TMPDIR)));
     }
     if home.is_replaceable() {

@@ -1,5 +1,6 @@
 //! A violation in a description, with its position and rule.
 
+use crate::printable;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
@@ -58,7 +59,7 @@ impl fmt::Display for Finding {
             Severity::Error => "error",
             Severity::Warning => "warning",
         };
-        write!(f, "{severity}[{}]: {}", self.rule, self.message)
+        write!(f, "{severity}[{}]: {}", self.rule, printable::line(&self.message))
     }
 }
 

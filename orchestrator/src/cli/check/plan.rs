@@ -6,6 +6,7 @@ use crate::cli::describe;
 use dsl::scenario::{Action, Connection, Drive, InitialStep, Port, RealExpression, Scenario, Value, duration};
 use dsl::spelling;
 use fmi2::description::{Causality, ModelDescription, Variable};
+use fmi2::printable;
 use results::shortest_decimal;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,15 +15,25 @@ use unit::time::seconds;
 
 /// The plan of a script.
 pub(super) fn text(scenario: &Scenario, descriptions: &[&ModelDescription]) -> String {
-    let plan = Plan { scenario, descriptions };
+    let shown: Vec<_> = descriptions.iter().map(|description| with_printable_names(description)).collect();
+    let plan = Plan { scenario, descriptions: &shown };
     let sections =
         [plan.times(), plan.units(), plan.connections(), plan.undriven(), plan.initialization(), plan.delays()];
     sections.into_iter().filter(|section| !section.is_empty()).map(|section| section + "\n").collect()
 }
 
+/// The description with names of variables that stay in their line.
+fn with_printable_names(description: &ModelDescription) -> ModelDescription {
+    let mut shown = description.clone();
+    for variable in &mut shown.variables {
+        variable.name = printable::line(&variable.name);
+    }
+    shown
+}
+
 struct Plan<'a> {
     scenario: &'a Scenario,
-    descriptions: &'a [&'a ModelDescription],
+    descriptions: &'a [ModelDescription],
 }
 
 /// What one line tells about connections that look alike.
@@ -240,7 +251,7 @@ impl Plan<'_> {
     }
 
     fn unit(&self, port: Port) -> &str {
-        let description = self.descriptions[port.instance];
+        let description = &self.descriptions[port.instance];
         description.unit_of(self.variable(port)).unwrap_or("no unit")
     }
 }

@@ -8,9 +8,6 @@ use crate::description::{Finding, Position};
 /// Findings beyond this number are left out: in a file that is wrong everywhere they have one cause.
 const MAX_FINDINGS: usize = 1000;
 
-/// Attributes of the type `xs:normalizedString`, in which a line break or tab stands for a space.
-const ONE_LINE: [&str; 6] = ["name", "unit", "displayUnit", "declaredType", "quantity", "modelIdentifier"];
-
 /// Bytes between two noted places; counting on from one of them is all that a position costs.
 const STRIDE: usize = 256;
 
@@ -152,8 +149,7 @@ impl<'a> Element<'a> {
 
     /// The attribute, if present.
     pub(super) fn text(&self, name: &str) -> Option<String> {
-        let text = self.attribute(name)?;
-        Some(if ONE_LINE.contains(&name) { text.replace(['\t', '\n', '\r'], " ") } else { text.to_owned() })
+        self.attribute(name).map(str::to_owned)
     }
 
     /// The attribute, empty if it is missing; the checker reports names that are empty.
