@@ -105,7 +105,7 @@ fn what_is_wrong_before_the_first_step_is_usage_and_leaves_no_folder() {
     let wrong = [
         (vec!["--input", "in.csv"], "error: in.csv:1:6: the unit has no variable `v`"),
         (vec!["--input", "none.csv"], "error: cannot read none.csv: No such file"),
-        (vec!["--set", "y2 = 1"], "`unit` has no variable `y2`"),
+        (vec!["--set", "y2 = 1"], "`foreign` has no variable `y2`"),
         (vec!["--step", "100ms", "--stop", "0.25s"], "--stop"),
         (vec!["--stop", "soon"], "expected a time such as 10s"),
     ];

@@ -35,14 +35,14 @@ pub(super) fn statements(place: &Place<'_>, error: &Error<Rule>) -> Explained {
     Explained { diagnostic, statement, resume: lines::next_statement(place.blanked, failure.at) }
 }
 
-/// Says what is wrong with an assignment of the command line.
-pub(super) fn assignment(place: &Place<'_>, error: &Error<Rule>) -> Diagnostic {
+/// Says what is wrong with an assignment of the command line, which looks like `example`.
+pub(super) fn assignment(place: &Place<'_>, error: &Error<Rule>, example: &str) -> Diagnostic {
     let failure = place.failure(error);
     if let ErrorVariant::CustomError { .. } = error.variant {
         return scan::nested_too_deeply(failure.span());
     }
-    let example = "an assignment looks like `gust = 6 m/s`";
-    Diagnostic::error("E00", failure.span(), expected_and_found(&failure)).help(example)
+    let help = format!("an assignment looks like `{example}`");
+    Diagnostic::error("E00", failure.span(), expected_and_found(&failure)).help(help)
 }
 
 fn unexpected(failure: &Failure<'_>) -> Diagnostic {

@@ -25,7 +25,7 @@ use pest::iterators::Pair;
 
 use crate::diagnostic::Diagnostic;
 use crate::source::Sources;
-use crate::syntax::{Binding, File};
+use crate::syntax::{Binding, File, Value};
 
 /// A text, read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -93,17 +93,39 @@ fn match_rest(blanked: &str, from: usize) -> Matched<'_> {
 ///
 /// What is wrong with the text.
 pub fn parse_assignment(sources: &Sources, text: u32) -> Result<Binding, Vec<Diagnostic>> {
+    parse_one(sources, text, Rule::assignment, "gust = 6 m/s", |walk, pair| walk.binding(pair))
+}
+
+/// Parses one text of `sources`, a start value of the command line such as `mass = 1.6 kg`.
+///
+/// # Errors
+///
+/// What is wrong with the text.
+pub fn parse_start_value(sources: &Sources, text: u32) -> Result<Value, Vec<Diagnostic>> {
+    parse_one(sources, text, Rule::start_value, "mass = 1.6 kg", |walk, pair| {
+        walk.value(tree::next(&mut tree::parts(pair)))
+    })
+}
+
+/// Parses a text that matches one rule; it looks like `example`.
+fn parse_one<T: Send>(
+    sources: &Sources,
+    text: u32,
+    rule: Rule,
+    example: &str,
+    build: fn(&mut tree::Walk<'_>, Pair<'_, Rule>) -> T,
+) -> Result<T, Vec<Diagnostic>> {
     let source = sources.text(text);
     with_stack(|| {
         let scan::Scanned { text: blanked, mut diagnostics } = scan::scan(source, text);
         let mut walk = tree::Walk::new(source, text);
-        let binding = match match_rule(Rule::assignment, &blanked) {
-            Ok(pair) => Ok(walk.binding(pair)),
-            Err(error) => Err(explain::assignment(&Place { blanked: &blanked, text, from: 0 }, &error)),
+        let built = match match_rule(rule, &blanked) {
+            Ok(pair) => Ok(build(&mut walk, pair)),
+            Err(error) => Err(explain::assignment(&Place { blanked: &blanked, text, from: 0 }, &error, example)),
         };
         diagnostics.append(&mut walk.diagnostics);
-        match binding {
-            Ok(binding) if diagnostics.is_empty() => Ok(binding),
+        match built {
+            Ok(built) if diagnostics.is_empty() => Ok(built),
             Ok(_) => Err(diagnostics),
             Err(error) if diagnostics.is_empty() => Err(vec![error]),
             Err(_) => Err(diagnostics),

@@ -189,7 +189,8 @@ impl<'a> Walk<'a> {
         instance
     }
 
-    fn value(&mut self, pair: Pair<'_, Rule>) -> Value {
+    /// `key = value`
+    pub fn value(&mut self, pair: Pair<'_, Rule>) -> Value {
         let mut parts = pair.into_inner();
         let key = self.path(next(&mut parts));
         Value { key, value: self.expression(next(&mut parts)) }

@@ -75,7 +75,8 @@ impl Scope<'_, '_> {
                 if variable.variability == Variability::Constant { "is constant" } else { "is computed by the unit" };
             let error =
                 Diagnostic::error("E05", at.target, format!("`{}` cannot be set: it {why}", self.port_name(port)));
-            return error.help("the braces take parameters, inputs and start values that the unit does not compute");
+            return error
+                .help("before the run parameters, inputs and start values can be set that the unit does not compute");
         }
         if is_parameter {
             let said = variable.variability.name();

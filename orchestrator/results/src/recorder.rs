@@ -8,6 +8,22 @@ use super::run_folder::{RunFolder, SIGNALS_JSON, TRACE_CSV, TRACE_PARQUET};
 use super::run_record::RunState;
 use super::signals::{self, Signal};
 use super::sink::{Event, Sink};
+use serde::{Deserialize, Serialize};
+
+/// The formats in which the rows of a run are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Formats {
+    /// `trace.csv`
+    pub csv: bool,
+    /// `trace.parquet`
+    pub parquet: bool,
+}
+
+impl Default for Formats {
+    fn default() -> Self {
+        Self { csv: true, parquet: true }
+    }
+}
 
 /// Passes rows and events to its sinks, in the order in which they were added. The error of one ends the run, but no
 /// other sink misses anything because of it.
@@ -22,14 +38,24 @@ impl Recorder {
         self.sinks.push(sink);
     }
 
-    /// Begins the files of rows, and writes `signals.json` about their columns, of which the time is the first.
+    /// Begins the files of rows in these formats, and writes `signals.json` about their columns, of which the time is the first.
     ///
     /// # Errors
     /// A file cannot be written; the error names it.
-    pub fn begin_rows(&mut self, folder: &RunFolder, step_ns: u64, signals: &[Signal<'_>]) -> Result<(), TraceError> {
+    pub fn begin_rows(
+        &mut self,
+        folder: &RunFolder,
+        step_ns: u64,
+        signals: &[Signal<'_>],
+        formats: Formats,
+    ) -> Result<(), TraceError> {
         folder.write(SIGNALS_JSON, &signals::json(signals))?;
-        self.add(Box::new(TraceFile::begin(folder.begin(TRACE_CSV)?, step_ns, &signals::csv_columns(signals))?));
-        self.add(Box::new(ParquetFile::begin(folder.begin(TRACE_PARQUET)?, step_ns, signals)?));
+        if formats.csv {
+            self.add(Box::new(TraceFile::begin(folder.begin(TRACE_CSV)?, step_ns, &signals::csv_columns(signals))?));
+        }
+        if formats.parquet {
+            self.add(Box::new(ParquetFile::begin(folder.begin(TRACE_PARQUET)?, step_ns, signals)?));
+        }
         Ok(())
     }
 
@@ -117,7 +143,7 @@ mod tests {
         std::os::unix::fs::symlink("/dev/full", home.path().join("trace.parquet.partial")).unwrap();
         let signals = ["time", "quad.x"].map(|name| signal(name, SlotType::Real));
         let mut recorder = Recorder::default();
-        recorder.begin_rows(&folder, 1_000_000, &signals).unwrap();
+        recorder.begin_rows(&folder, 1_000_000, &signals, Formats::default()).unwrap();
         let (tick, error) = (0..).find_map(|tick| Some((tick, recorder.row(tick, &[tick]).err()?))).unwrap();
         assert!(error.to_string().contains("trace.parquet.partial: "), "{error}");
         let text = std::fs::read_to_string(home.path().join("trace.csv.partial")).unwrap();
@@ -132,7 +158,7 @@ mod tests {
         let names = names.into_iter().chain([("plan.count", SlotType::Integer), ("gear.down", SlotType::Boolean)]);
         let signals: Vec<_> = names.map(|(name, slot_type)| signal(name, slot_type)).collect();
         let mut recorder = Recorder::default();
-        recorder.begin_rows(&folder, 5_000_000, &signals).unwrap();
+        recorder.begin_rows(&folder, 5_000_000, &signals, Formats::default()).unwrap();
         for tick in 0..300_000 {
             recorder.row(tick, &[(tick as f64 * 0.1).to_bits(), tick / 7, tick % 2]).unwrap();
         }

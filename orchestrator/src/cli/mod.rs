@@ -14,6 +14,7 @@ pub mod worker;
 
 use crate::run::interruption;
 use clap::{Parser, Subcommand};
+use results::recorder::Formats;
 use results::report;
 use std::env;
 use std::panic::catch_unwind;
@@ -119,6 +120,19 @@ fn step_loop() -> u8 {
     }
 }
 
+/// The formats that `--format` names: `csv,parquet`.
+fn formats(text: &str) -> Result<Formats, String> {
+    let mut formats = Formats { csv: false, parquet: false };
+    for name in text.split(',') {
+        match name.trim() {
+            "csv" => formats.csv = true,
+            "parquet" => formats.parquet = true,
+            other => return Err(format!("`{other}` is no format of traces: csv, parquet or csv,parquet")),
+        }
+    }
+    Ok(formats)
+}
+
 /// A number at the start of a text and what follows it, without blanks: `10s`, `7.5 ms`, `1e-6`.
 fn number_and_unit(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
@@ -173,6 +187,13 @@ mod tests {
         let asked = ["lockstep", unit::describe::SUBCOMMAND, "libtank.so"];
         let asked = Cli::try_parse_from(asked).map(|cli| cli.command);
         assert!(matches!(asked, Ok(Command::DescribeLibrary { .. })));
+    }
+
+    #[test]
+    fn formats_are_chosen_by_name() {
+        assert_eq!(formats("csv"), Ok(Formats { csv: true, parquet: false }));
+        assert_eq!(formats("parquet, csv"), Ok(Formats::default()));
+        assert!(formats("csv,mcap").unwrap_err().starts_with("`mcap` is no format"));
     }
 
     #[test]

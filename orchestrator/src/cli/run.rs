@@ -9,6 +9,7 @@ use crate::find::script::Script;
 use crate::host::execution::{ReadyRun, RunOutcome};
 use crate::run::run_options::RunOptions;
 use fmi2::printable;
+use results::recorder::Formats;
 use results::report;
 use results::report::console::Style;
 use results::report::table::{next_lines, replay_command};
@@ -43,6 +44,9 @@ pub struct Run {
     /// Record nothing, whatever the script says
     #[arg(long, value_name = "none")]
     record: Option<Record>,
+    /// The formats of the trace, for example csv [default: csv,parquet]
+    #[arg(long, value_name = "csv,parquet", value_parser = super::formats, conflicts_with = "record")]
+    format: Option<Formats>,
     /// Give each instance a process of its own: the results are the same
     #[cfg(feature = "bus")]
     #[arg(long)]
@@ -124,6 +128,7 @@ impl Run {
             out: self.out.clone().unwrap_or_else(|| default_folder(&self.script)),
             fail_fast: self.fail_fast,
             record: self.record.is_none(),
+            formats: self.format.unwrap_or_default(),
             #[cfg(feature = "bus")]
             live: self.live.is_on(),
             pace: self.pace,

@@ -4,6 +4,7 @@ pub(super) mod alone;
 mod column_name;
 pub(super) mod experiment;
 mod input_file;
+mod record;
 mod start_values;
 
 use super::exit_code;
@@ -13,7 +14,9 @@ use crate::run::prepared_run::PreparedRun;
 use crate::run::run_options::RunOptions;
 use alone::Alone;
 use fmi2::printable;
+use record::Recorded;
 use results::TraceError;
+use results::recorder::Formats;
 use results::report;
 use results::report::console::Style;
 use results::report::table::{heading_line, next_lines};
@@ -25,8 +28,9 @@ use std::time::Duration;
 
 /// Simulates one unit alone.
 ///
-/// Start, stop and step are those of the unit's DefaultExperiment, or one second in steps of a thousandth. All outputs and
-/// inputs are recorded under their own names. Ends with 0 if the unit came to the end, 2 if the command line is wrong,
+/// Start, stop and step are those of the unit's DefaultExperiment, or one second in steps of a thousandth. Outputs, inputs
+/// and what --input drives are recorded under their own names. Ends with 0 if the unit came to the end, 2 if the command
+/// line is wrong,
 /// 3 if the run broke, 130 if it was interrupted.
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
@@ -49,6 +53,12 @@ pub struct Simulate {
     /// else is held; so are the ends
     #[arg(long, value_name = "FILE")]
     input: Option<PathBuf>,
+    /// What is recorded: names of variables, of any causality, or patterns such as 'wheel.*'; all; or none
+    #[arg(long, value_name = "NAME,…|all|none")]
+    record: Vec<String>,
+    /// The formats of the trace, for example csv [default: csv,parquet]
+    #[arg(long, value_name = "csv,parquet", value_parser = super::formats)]
+    format: Option<Formats>,
     /// Where the results go; a folder of an earlier run is replaced [default: runs/UNIT-alone]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -86,7 +96,14 @@ impl Simulate {
         let asked = experiment::Asked { start_s: self.start, stop_s: self.stop, step_s: self.step };
         let experiment = experiment::Experiment::new(asked, &alone.description)?;
         experiment.notes.iter().for_each(|note| report::status(note));
-        let script = alone.script(&experiment, &self.set, curves, &catalogue)?;
+        let driven: Vec<_> = curves.iter().map(|(variable, _)| *variable).collect();
+        let Recorded { columns, note } = record::recorded(&self.record, &alone.description, &driven)?;
+        if let Some(note) = note {
+            report::status(&note);
+        }
+        self.check_trace(columns.is_some())?;
+        let record = columns.is_some();
+        let script = alone.script(&experiment, &self.set, curves, columns.unwrap_or_default(), &catalogue)?;
         // Not the folder of a script of the same name.
         let folder = || Path::new("runs").join(format!("{}-alone", alone.name()));
         let out = self.out.clone().unwrap_or_else(folder);
@@ -95,9 +112,28 @@ impl Simulate {
             return Err(Refusal::new(&message, Some("their rows are in its trace.csv anyway; name a file elsewhere")));
         }
         let step_timeout = Some(self.step_timeout).filter(|limit| !limit.is_zero());
-        let options = RunOptions { out, record: true, step_timeout, files, ..RunOptions::default() };
+        let options = RunOptions {
+            out,
+            record,
+            formats: self.format.unwrap_or_default(),
+            step_timeout,
+            files,
+            ..RunOptions::default()
+        };
         let units = preparation::unpack_units(&script)?;
         preparation::prepare(script, &units, options)
+    }
+
+    /// Refuses options about a trace that there is not.
+    fn check_trace(&self, is_recorded: bool) -> Result<(), Refusal> {
+        let contradiction = match (&self.output, self.format) {
+            (None, None) => None,
+            (Some(_), _) if !is_recorded => Some("--output copies the trace, and --record none leaves none"),
+            (_, Some(_)) if !is_recorded => Some("--format is about the trace, and --record none leaves none"),
+            (Some(_), Some(formats)) if !formats.csv => Some("--output copies trace.csv, which --format leaves out"),
+            _ => None,
+        };
+        contradiction.map_or(Ok(()), |message| Err(Refusal::new(&message, Some("leave one of them out"))))
     }
 
     fn read_input(&self, path: &Path, alone: &Alone) -> Result<(input_file::Curves, HashedFile), Refusal> {
@@ -114,7 +150,7 @@ impl Simulate {
             copied.map_err(TraceError::io("write", output))?;
         }
         let heading = heading_line(&outcome.heading(), &outcome.verdict);
-        report::result(&(heading + &next_lines(outcome.folder.path(), true)));
+        report::result(&(heading + &next_lines(outcome.folder.path(), self.record != ["none"])));
         Ok(())
     }
 }

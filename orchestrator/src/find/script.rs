@@ -68,10 +68,23 @@ impl Script {
         Ok(Self::resolved(name, folder, text, settings, catalogue, isolated))
     }
 
-    /// Resolves a text with paths relative to `folder`.
+    /// A script without a text of its own, whose tree is made of texts of the command line; `text` says all that it means.
+    /// Paths are relative to the current folder.
     #[must_use]
-    pub fn of_text(name: String, folder: PathBuf, text: String, settings: &[String], catalogue: &Catalogue) -> Self {
-        Self::resolved(name, folder, text, settings, catalogue, false)
+    pub fn of_tree(
+        name: String,
+        text: String,
+        sources: Sources,
+        tree: Result<File, Vec<Diagnostic>>,
+        catalogue: &Catalogue,
+    ) -> Self {
+        let (file, diagnostics) = tree.map_or_else(|wrong| (None, wrong), |file| (Some(file), Vec::new()));
+        let (scenario, units) = (None, Vec::new());
+        let mut script = Self { name, folder: PathBuf::from("."), text, sources, diagnostics, scenario, units };
+        if let Some(file) = file {
+            script.resolve(&file, &[], catalogue, false);
+        }
+        script
     }
 
     fn resolved(

@@ -124,7 +124,7 @@ fn begin_files(folder: &RunFolder, spec: &RunSpec) -> Result<Recorder, TraceErro
     if spec.options.record {
         let columns = columns::of(&spec.scenario, |instance| &spec.unit(instance).description);
         let signals: Vec<_> = std::iter::once(signals::time()).chain(columns).collect();
-        recorder.begin_rows(folder, spec.scenario.step_ns, &signals)?;
+        recorder.begin_rows(folder, spec.scenario.step_ns, &signals, spec.options.formats)?;
     }
     let instances = spec.scenario.instances.iter().enumerate();
     for (index, instance) in instances.filter(|(_, instance)| spec.options.logs_calls_of(&instance.name)) {

@@ -1,6 +1,7 @@
 //! The options of a run besides its script.
 
 use crate::run::exercise::Exercise;
+use results::recorder::Formats;
 use results::run_record::HashedFile;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -17,6 +18,8 @@ pub struct RunOptions {
     pub fail_fast: bool,
     /// Write the trace; not with `--record none`.
     pub record: bool,
+    /// The formats of the trace (`--format`).
+    pub formats: Formats,
     /// The run may be watched: the loop hands rows over even if they are not written.
     pub live: bool,
     /// Simulated seconds for each second of the wall clock (`--pace`); `None` for as fast as it goes.

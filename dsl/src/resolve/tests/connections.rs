@@ -95,7 +95,7 @@ fn a_computed_output_takes_no_start_value() {
     7 | fmu two = "quadcopter_controller" { thrust = 3 N, unset = 0 m, stream = 1 }
       |                                     ^^^^^^
       |
-      = help: the braces take parameters, inputs and start values that the unit does not compute
+      = help: before the run parameters, inputs and start values can be set that the unit does not compute
     "#);
 }
 

@@ -4,7 +4,7 @@ use super::TableError;
 use super::cell::CellType;
 use super::parquet::ParquetTable;
 use super::sheet::{Sheet, Wrong};
-use crate::run_folder::{PARTIAL, TRACE_CSV, TRACE_PARQUET};
+use crate::run_folder::{PARTIAL, RUN_JSON, TRACE_CSV, TRACE_PARQUET};
 use fmi2::printable;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -283,5 +283,20 @@ fn trace_file(run: &Path) -> Result<PathBuf, TableError> {
     } else {
         run.exists().then(|| run.to_owned())
     };
-    found.ok_or_else(|| TableError::new(format!("{} is neither a run's folder nor a trace.csv", printable::path(run))))
+    found.ok_or_else(|| without_trace(run))
+}
+
+fn without_trace(run: &Path) -> TableError {
+    let name = printable::path(run);
+    if run.join(format!("{TRACE_PARQUET}{PARTIAL}")).is_file() {
+        let help = "without --format such a run keeps its rows in trace.csv too";
+        return TableError::new(format!(
+            "the run of {name} did not come to its end, and its trace.parquet is incomplete"
+        ))
+        .help(Some(help.to_owned()));
+    }
+    if run.join(RUN_JSON).is_file() {
+        return TableError::new(format!("the run of {name} recorded nothing"));
+    }
+    TableError::new(format!("{name} is neither a run's folder nor a trace.csv"))
 }

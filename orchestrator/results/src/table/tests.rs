@@ -59,6 +59,19 @@ proptest::proptest! {
 }
 
 #[test]
+fn a_folder_without_rows_says_why() {
+    let reason = |file: &str| {
+        let folder = folder_with(file, "");
+        let text = Table::read(folder.path()).unwrap_err().to_string();
+        text.replace(&folder.path().display().to_string(), "a")
+    };
+    assert_eq!(reason("run.json"), "the run of a recorded nothing");
+    assert_eq!(reason("a.txt"), "a is neither a run's folder nor a trace.csv");
+    let incomplete = "the run of a did not come to its end, and its trace.parquet is incomplete";
+    assert_eq!(reason("trace.parquet.partial"), incomplete);
+}
+
+#[test]
 fn a_file_that_is_not_a_table_is_an_error_with_its_place() {
     let name_it = "; help: name the column of the time `time`, or with a unit of time, for example `time [ms]`";
     let commented = "; help: a line that begins with # is a comment: write the names of the columns without it";

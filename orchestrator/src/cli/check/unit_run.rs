@@ -49,7 +49,7 @@ impl UnitRun {
         let alone = Alone::find(&file.to_string_lossy(), catalogue)?;
         let experiment = self.experiment(&alone.description)?;
         experiment.notes.iter().for_each(|note| report::status(note));
-        let mut script = alone.script(&experiment, &[], Vec::new(), catalogue)?;
+        let mut script = alone.script(&experiment, &[], Vec::new(), Vec::new(), catalogue)?;
         // The check has printed them already.
         script.units.iter_mut().for_each(|unit| unit.findings.clear());
         if let Some(scenario) = &mut script.scenario {

@@ -1,19 +1,23 @@
-//! A scenario of one unit alone, written as a script, so that errors in it are reported as in scripts.
+//! A scenario of one unit alone, resolved as scripts are, so that what is wrong with `--set` is reported as in scripts.
 
-use super::column_name::column_name;
 use super::experiment::Experiment;
 use super::input_file::Curves;
 use super::start_values;
 use crate::find::catalogue::Catalogue;
 use crate::find::preparation::Refusal;
 use crate::find::script::Script;
+use dsl::diagnostic::Diagnostic;
+use dsl::parse::parse_start_value;
 use dsl::scenario::{Column, Connection, Drive, InitialStep, Port, Preset, Scenario};
-use fmi2::description::{BaseType, Causality, ModelDescription};
-use results::shortest_decimal;
-use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use dsl::source::{Sources, Span};
+use dsl::syntax::{Expression, ExpressionKind, File, Instance, Name, Statement, StatementKind, Word};
+use fmi2::description::ModelDescription;
+use std::path::Path;
 use unit::archive::read_loadable;
 use unit::error::UnitError;
+
+/// How the text that diagnostics point into begins.
+const COMMAND: &str = "lockstep simulate ";
 
 /// A unit, found.
 #[derive(Clone, Debug)]
@@ -36,7 +40,7 @@ impl Alone {
         Ok(Self { unit: unit.to_owned(), description })
     }
 
-    /// The script, with its meaning: start values are set, curves drive their inputs, every port is recorded.
+    /// The script, with its meaning: start values are set, curves drive their inputs, these columns are recorded.
     ///
     /// # Errors
     /// A start value that the description does not allow.
@@ -45,6 +49,7 @@ impl Alone {
         experiment: &Experiment,
         settings: &[String],
         curves: Curves,
+        columns: Vec<Column>,
         catalogue: &Catalogue,
     ) -> Result<Script, Refusal> {
         let mut presets = Vec::new();
@@ -58,31 +63,72 @@ impl Alone {
         if let Some(wrong) = start_values::missed_limits(&presets, &self.description) {
             return Err(Refusal::new(&format!("--set: {wrong}"), Some("write a value within these limits")));
         }
-        let text = self.text(experiment, &others);
-        let mut script = Script::of_text("lockstep simulate".to_owned(), PathBuf::from("."), text, &[], catalogue);
-        // The inner script drives and records nothing: that is added to its meaning. The start of the experiment is observed
-        // here, and another step is warned of in `experiment`.
+        let mut sources = Sources::default();
+        let line = sources.add("command line", format!("{COMMAND}{}", self.unit));
+        let tree = self.tree(experiment, &others, &mut sources, line);
+        let text = format!("{} {} {}\n{}", self.unit, experiment.step_s, experiment.stop_s, settings.join("\n"));
+        let mut script = Script::of_tree(self.unit.clone(), text, sources, tree, catalogue);
+        // The tree drives and records nothing: that is added to its meaning. The start of the experiment is observed here, and
+        // another step is warned of in `experiment`.
         script.diagnostics.retain(|diagnostic| !["W02", "W06", "W07", "W08"].contains(&diagnostic.code));
-        script.name.clone_from(&self.unit);
         if let Some(scenario) = &mut script.scenario {
-            self.complete(scenario, presets, curves);
+            self.complete(scenario, presets, curves, columns);
             scenario.start_tick = experiment.start_tick;
         }
         Ok(script)
     }
 
-    fn text(&self, experiment: &Experiment, settings: &[&str]) -> String {
-        let (step, stop) = (shortest_decimal(experiment.step_s), shortest_decimal(experiment.stop_s));
-        let mut text = format!("scenario \"{0} alone\"\nstep {step} s\nstop {stop} s\nfmu unit = \"{0}\"", self.unit);
-        if !settings.is_empty() {
-            let _ = write!(text, " {{\n  {}\n}}", settings.join("\n  "));
+    /// The tree of a script with one unit. Its places are those of the command line: the name of the unit in the text `line`,
+    /// and the settings, each a text of its own.
+    fn tree(
+        &self,
+        experiment: &Experiment,
+        settings: &[&str],
+        sources: &mut Sources,
+        line: u32,
+    ) -> Result<File, Vec<Diagnostic>> {
+        let mut values = Vec::new();
+        let mut wrong = Vec::new();
+        for setting in settings {
+            let text = sources.add("--set", *setting);
+            match parse_start_value(sources, text) {
+                Ok(value) => values.push(value),
+                Err(diagnostics) => wrong.extend(diagnostics),
+            }
         }
-        text + "\n"
+        if !wrong.is_empty() {
+            return Err(wrong);
+        }
+        let end = u32::try_from(COMMAND.len() + self.unit.len()).unwrap_or(u32::MAX);
+        let span = Span { text: line, start: COMMAND.len() as u32, end };
+        let word = |text: &str| Word { text: text.to_owned(), span };
+        let seconds = |number| Expression {
+            kind: ExpressionKind::Quantity { number, unit: Some(word("s")) },
+            span,
+            parenthesised: false,
+        };
+        let name = Name { word: word(&self.name_in_tree()), index: Vec::new(), span };
+        let unit = Instance { name, unit: word(&self.unit), on: Vec::new(), every: Vec::new(), values };
+        let statements = [
+            StatementKind::Scenario(word(&format!("{} alone", self.unit))),
+            StatementKind::Step(seconds(experiment.step_s)),
+            StatementKind::Stop(seconds(experiment.stop_s)),
+            StatementKind::Fmu(unit),
+        ];
+        let statement = |kind| Statement { kind, span, documentation: None };
+        Ok(File { statements: statements.map(statement).into() })
     }
 
-    fn complete(&self, scenario: &mut Scenario, presets: Vec<Preset>, curves: Curves) {
+    /// The name of the unit, unless it means something else in values of `--set`.
+    fn name_in_tree(&self) -> String {
+        let name = self.name();
+        let has_meaning = ["time", "seed", "pi"].contains(&name.as_str()) || fmi2::units::parse(&name).is_ok();
+        if has_meaning { "unit".to_owned() } else { name }
+    }
+
+    fn complete(&self, scenario: &mut Scenario, presets: Vec<Preset>, curves: Curves, columns: Vec<Column>) {
         scenario.parameters.clear();
-        scenario.columns = self.columns();
+        scenario.columns = columns;
         scenario.connections = curves
             .into_iter()
             .map(|(variable, curve)| Connection {
@@ -99,23 +145,6 @@ impl Alone {
             instance.name = self.name();
             instance.presets.extend(presets.iter().cloned());
         }
-    }
-
-    /// Outputs, then inputs, under their own names.
-    fn columns(&self) -> Vec<Column> {
-        let of = |causality| {
-            let variables = self.description.variables.iter().enumerate();
-            variables.filter(move |(_, variable)| {
-                variable.causality == causality && variable.base_type() != BaseType::String
-            })
-        };
-        let ports = of(Causality::Output).chain(of(Causality::Input));
-        ports
-            .map(|(index, variable)| Column {
-                name: column_name(&variable.name, &self.description),
-                port: Port { instance: 0, variable: index },
-            })
-            .collect()
     }
 
     /// What messages call the unit.
@@ -159,6 +188,10 @@ pub(super) mod tests {
         fmi2::description::read::read(TANK.as_bytes()).unwrap().0
     }
 
+    fn level() -> Column {
+        Column { name: "level".to_owned(), port: Port { instance: 0, variable: 4 } }
+    }
+
     fn script(settings: &[&str], curves: Curves) -> Script {
         let folder = tempfile::tempdir().unwrap();
         let mut writer = zip::ZipWriter::new(std::fs::File::create(folder.path().join("tank.fmu")).unwrap());
@@ -170,14 +203,8 @@ pub(super) mod tests {
         let catalogue = Catalogue::new(vec![folder.path().to_owned()], folder.path(), false).unwrap();
         let alone = Alone::find("tank", &catalogue).unwrap();
         let settings: Vec<_> = settings.iter().map(|&setting| setting.to_owned()).collect();
-        alone
-            .script(
-                &Experiment { start_tick: 0, stop_s: 2.0, step_s: 0.01, notes: Vec::new() },
-                &settings,
-                curves,
-                &catalogue,
-            )
-            .unwrap()
+        let experiment = Experiment { start_tick: 0, stop_s: 2.0, step_s: 0.01, notes: Vec::new() };
+        alone.script(&experiment, &settings, curves, vec![level()], &catalogue).unwrap()
     }
 
     #[test]
@@ -192,14 +219,13 @@ pub(super) mod tests {
         assert_eq!((tank.name.as_str(), presets.as_slice()), ("tank", expected.as_slice()));
         assert_eq!(scenario.connections[0].source, Drive::Curve(curve));
         assert_eq!(scenario.initialization, [InitialStep::Set { instance: 0, connections: vec![0] }]);
-        let columns: Vec<_> = scenario.columns.iter().map(|column| column.name.as_str()).collect();
-        assert_eq!(columns, ["level", "inflow", "mode", "open", "depth", "rise", "water"]);
+        assert_eq!(scenario.columns, [level()]);
     }
 
     #[test]
-    fn what_is_wrong_with_a_setting_is_told_as_in_a_script() {
-        let script = script(&["aera = 2", "area = 2 m", "level = 3", "mode = \"Spill\""], Vec::new());
-        assert!(script.scenario.is_none());
-        insta::assert_snapshot!(script.rendered(false));
+    fn what_is_wrong_with_a_setting_is_told_as_in_a_script_at_its_place_in_the_command_line() {
+        let wrong = script(&["aera = 2", "area = 2 m", "level = 3", "mode = \"Spill\""], Vec::new());
+        assert!(wrong.scenario.is_none());
+        insta::assert_snapshot!(wrong.rendered(false));
     }
 }

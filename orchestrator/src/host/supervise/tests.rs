@@ -5,6 +5,7 @@ use crate::example::{claim, record, scenario};
 use crate::run::run_options::RunOptions;
 use fmi2::calls::Call;
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use results::recorder::Formats;
 use results::report::console::Style;
 use results::run_folder::{RunFolder, TRACE_CSV, TRACE_PARQUET};
 use results::run_record::RunState;
@@ -77,7 +78,7 @@ impl Run {
         let folder = RunFolder::claim(&self.home.path().join("run"), &record()).unwrap();
         let signals = [signals::time(), Signal { name: "quad.x", ..signals::time() }];
         let mut recorder = Recorder::default();
-        recorder.begin_rows(&folder, self.spec.scenario.step_ns, &signals).unwrap();
+        recorder.begin_rows(&folder, self.spec.scenario.step_ns, &signals, Formats::default()).unwrap();
         let mut console = Console::new(Vec::new(), Style::Tenths);
         let mut supervision = Supervision::new(&self.spec, &self.saving, &self.board, recorder, &mut console);
         supervision.drain().unwrap();
