@@ -115,12 +115,3 @@ fn what_is_wrong_before_the_first_step_is_usage_and_leaves_no_folder() {
     }
     assert!(!folder.path().join("runs").exists());
 }
-
-#[test]
-fn a_unit_that_would_begin_later_begins_at_zero_and_that_is_said() {
-    let later = [("startTime=\"0\" stopTime=\"1\"", "startTime=\"20\" stopTime=\"20.5\"")];
-    let (folder, _) = Foreign { description: &later, ..Foreign::default() }.build();
-    let (code, _, error) = lockstep(folder.path(), &["simulate", "foreign.fmu", "--out", "here"]);
-    assert!(code == Some(0) && error.contains("begins at 20 s, this run at 0 s"), "{error}");
-    assert_eq!(trace(&folder.path().join("here/trace.csv")).1.len(), 6);
-}

@@ -7,7 +7,7 @@ use tempfile::TempDir;
 use tests::foreign::Generic;
 use tests::program::{Said, run};
 
-const SCRIPT: &str = "scenario \"A unit that says much\"\nstep 1 ms\nstop 1 s\nfmu a = \"talker.fmu\"\n";
+const SCRIPT: &str = "scenario \"A unit that says much\"\nstep 1 ms\nstop 1 s\nfmu a = \"talker.fmu\"\nrecord a.y\n";
 const OUTPUT: &str = "<ScalarVariable name=\"y\" valueReference=\"0\" causality=\"output\"><Real/></ScalarVariable>";
 
 fn talker(variables: &str, code: &str) -> TempDir {

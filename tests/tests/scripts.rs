@@ -6,7 +6,7 @@ use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::Path;
 use tempfile::TempDir;
-use tests::foreign::Foreign;
+use tests::foreign::{Foreign, Generic};
 use tests::program::{Said, repository, run};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
@@ -162,8 +162,25 @@ fn files_that_are_not_units_are_refused_with_the_reason() {
     archive(&at("newer.fmu"), &[("modelDescription.xml", &of_fmi_3)]);
     archive(&at("elsewhere.fmu"), &[("modelDescription.xml", &description), ("binaries/win64/foreign.dll", "")]);
     archive(&at("exchange.fmu"), &[("modelDescription.xml", &exchange)]);
+    let neither = description
+        .replace("<CoSimulation modelIdentifier=\"foreign\" canHandleVariableCommunicationStepSize=\"true\"/>", "");
+    archive(&at("sources.fmu"), &[("modelDescription.xml", &description), ("sources/foreign.c", "")]);
+    archive(&at("neither.fmu"), &[("modelDescription.xml", &neither)]);
+    let names = [
+        "words",
+        "empty",
+        "outside",
+        "absolute",
+        "nameless",
+        "cut",
+        "newer",
+        "elsewhere",
+        "exchange",
+        "sources",
+        "neither",
+    ];
     let mut messages = String::new();
-    for name in ["words", "empty", "outside", "absolute", "nameless", "cut", "newer", "elsewhere", "exchange"] {
+    for name in names {
         fs::write(at("a.scn"), format!("{HEAD}fmu probe = \"{name}.fmu\"\n")).unwrap();
         let said = refused(folder.path(), &["run", "a.scn"]);
         let checked = run(folder.path(), &["check", "a.scn"]);
@@ -184,4 +201,51 @@ fn requirements_of_a_library_on_its_process_are_reported_before_the_run() {
     fs::write(folder.path().join("a.scn"), [HEAD, &unit("one")].concat()).unwrap();
     let said = run(folder.path(), &["run", "a.scn"]);
     assert_eq!((said.code, said.err.matches("warning[W05]").count()), (Some(0), 1), "{}", said.err);
+}
+
+#[test]
+fn wrong_files_are_reported_by_check_and_run_all_at_once_each_at_its_place() {
+    let folder = with_script(&format!(
+        "{HEAD}fmu a = \"foreign.fmu\" {{ label = file(\"../x.py\") }}\nfmu b = \"foreign.fmu\" {{ label = file(\"nope.csv\") }}\n\
+         fmu c = \"foreign.fmu\" {{ label = file(\".\"), gain = 3 }}\nfmu d = \"foreign.fmu\" {{ label = file(\"a.scn\") }}\n\
+         record a.z\n"
+    ));
+    let said = refused(folder.path(), &["run", "a.scn"]);
+    insta::assert_snapshot!(said);
+    assert_eq!(run(folder.path(), &["check", "a.scn"]).out, format!("{said}\na.scn: 4 errors\n"));
+}
+
+#[test]
+fn a_unit_may_end_in_capital_letters() {
+    let folder = with_script(&format!("{HEAD}fmu a = \"A B.FMU\" {{ u = 1, enabled = false }}\nrecord a.y\n"));
+    fs::rename(folder.path().join("foreign.fmu"), folder.path().join("A B.FMU")).unwrap();
+    let checked = run(folder.path(), &["check", "a.scn", "A B.FMU"]);
+    assert_eq!((checked.code, checked.out.matches(": ok").count()), (Some(0), 2), "{}", checked.out);
+    assert_eq!(run(folder.path(), &["run", "a.scn"]).code, Some(0));
+    assert_eq!(run(folder.path(), &["simulate", "A B.FMU"]).code, Some(0));
+    let described = run(folder.path(), &["describe", "A B.FMU"]).out;
+    assert!(described.ends_with("fmu A_B = \"A B.FMU\"\n"), "{described}");
+}
+
+#[test]
+fn a_text_reaches_its_unit_with_quotes_and_line_breaks() {
+    let folder = tempfile::tempdir().unwrap();
+    let unit = Generic {
+        variables: "<ScalarVariable name=\"text\" valueReference=\"0\" causality=\"parameter\" variability=\"fixed\">\
+                    <String start=\"\"/></ScalarVariable>\
+                    <ScalarVariable name=\"der(y)\" valueReference=\"0\" causality=\"output\" initial=\"exact\">\
+                    <Real start=\"0\"/></ScalarVariable>",
+        ..Generic::default()
+    };
+    unit.pack(folder.path(), "probe");
+    let text = r#"fmu probe = "probe.fmu" { text = "say \"hi\"\nC:\\d" }"#;
+    fs::write(folder.path().join("a.scn"), format!("{HEAD}{text}\nrecord probe.'der(y)'\n")).unwrap();
+    for placement in [&[][..], &["--isolate"]] {
+        let said = run(folder.path(), &[&["run", "a.scn", "--log-fmi-calls", "probe"], placement].concat());
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        let calls = fs::read_to_string(folder.path().join("runs/a/fmi-calls.probe.log")).unwrap();
+        assert!(calls.contains(r#"fmi2SetString(text = "say \"hi\"\nC:\\d")"#), "{calls}");
+    }
+    let described = run(folder.path(), &["describe", "probe.fmu"]).out;
+    assert!(described.contains("  'der(y)'  Real"), "{described}");
 }

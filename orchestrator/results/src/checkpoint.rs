@@ -94,7 +94,7 @@ impl fmt::Display for CheckpointError {
             }
             Self::Different { differences, .. } => {
                 f.write_str("another run saved it")?;
-                differences.iter().try_for_each(|difference| write!(f, "\n  {difference}"))
+                differences.iter().try_for_each(|difference| write!(f, "\n{difference}"))
             }
             Self::AtTheEnd { tick, step_ns } => {
                 write!(f, "it was saved at {} s, where this run is over already", seconds(*tick, *step_ns))

@@ -202,6 +202,11 @@ fn messages_of_the_loader_are_classified() {
         Refusal::MissingLibrary("libpython3.11.so.1.0".into())
     );
     assert_eq!(of("/units/a.so: undefined symbol: PyErr_Print"), Refusal::MissingSymbol("PyErr_Print".into()));
+    let folder = tempfile::tempdir().unwrap();
+    let beside = folder.path().join("libdep.so");
+    std::fs::write(&beside, "").unwrap();
+    let refusal = Refusal::of(&folder.path().join("a.so"), "libdep.so: cannot open shared object file: No such file");
+    assert_eq!(refusal, Refusal::LibraryBeside("libdep.so".into()));
     for other in ["/units/a.so: cannot open shared object file: Permission denied", "/units/a.so: invalid ELF header"] {
         assert_eq!(of(other), Refusal::Other(other.into()));
     }

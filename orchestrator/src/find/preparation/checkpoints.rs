@@ -52,7 +52,7 @@ impl Candidate<'_> {
                 ("canSerializeFMUstate", offers.is_some_and(|offers| offers.can_serialize_fmu_state)),
             ];
             let lacking: Vec<_> = lacking.iter().filter(|(_, offered)| !offered).map(|(name, _)| *name).collect();
-            (!lacking.is_empty()).then(|| format!("\n  unit `{}` lacks {}", unit.name, lacking.join(" and ")))
+            (!lacking.is_empty()).then(|| format!("\nunit `{}` lacks {}", unit.name, lacking.join(" and ")))
         };
         let lacking: String = self.units.iter().filter_map(lacks).collect();
         if lacking.is_empty() {
