@@ -198,7 +198,13 @@ fn a_unit_that_copies_its_process_and_returns_twice_is_named_and_ends_the_run() 
         ("GET_CODE", "fmi2GetReal"),
     ] {
         let folder = tempfile::tempdir().unwrap();
-        pack_with_headers(folder.path(), &[(place, "static int done; if (!done++) fork();".to_owned())]);
+        // The steps take long enough for the copy to return before the run ends.
+        let wait = if place == "STEP_CODE" { "usleep(20000);" } else { "" };
+        let mut code = vec![(place, format!("static int done; if (!done++) fork(); {wait}"))];
+        if place != "STEP_CODE" {
+            code.push(("STEP_CODE", "usleep(20000);".to_owned()));
+        }
+        pack_with_headers(folder.path(), &code);
         for placement in [&[][..], &["--isolate"]] {
             let said = run(folder.path(), &[&["run", "two.scn"], placement].concat());
             let expected = format!("error: `a` copied its process (fork), and both returned from {call} at 0 s\n");

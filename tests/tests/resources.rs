@@ -10,7 +10,7 @@ use tests::foreign::Generic;
 use tests::program::{Said, command, lockstep};
 
 const SCRIPT: &str =
-    "scenario \"Two units\"\nstep 100 ms\nstop 1 s\nfmu a = \"a.fmu\"\nfmu b = \"a.fmu\"\nrecord a.y\n";
+    "scenario \"Two units\"\nstep 100 ms\nstop 1 s\nfmu a = \"a.fmu\"\nfmu b = \"a.fmu\"\nrecord a.y, b.y\n";
 
 /// A folder with a unit and a script.
 fn folder_with_unit() -> TempDir {

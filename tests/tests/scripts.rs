@@ -196,9 +196,10 @@ fn requirements_of_a_library_on_its_process_are_reported_before_the_run() {
     let flags = format!("{flag} canBeInstantiatedOnlyOncePerProcess=\"true\" needsExecutionTool=\"true\"");
     let (folder, _) = Foreign { description: &[(flag, &flags)], ..Foreign::default() }.build();
     let unit = |name| format!("fmu {name} = \"foreign.fmu\"\n");
-    fs::write(folder.path().join("a.scn"), [HEAD, &unit("one"), &unit("two")].concat()).unwrap();
+    fs::write(folder.path().join("a.scn"), [HEAD, &unit("one"), &unit("two"), "record one.y, two.y\n"].concat())
+        .unwrap();
     insta::assert_snapshot!(refused(folder.path(), &["run", "a.scn"]));
-    fs::write(folder.path().join("a.scn"), [HEAD, &unit("one")].concat()).unwrap();
+    fs::write(folder.path().join("a.scn"), [HEAD, &unit("one"), "record one.y\n"].concat()).unwrap();
     let said = run(folder.path(), &["run", "a.scn"]);
     assert_eq!((said.code, said.err.matches("warning[W05]").count()), (Some(0), 1), "{}", said.err);
 }

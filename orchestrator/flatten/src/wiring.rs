@@ -103,17 +103,7 @@ impl Plan {
     pub fn new(scenario: &Scenario, descriptions: &[&ModelDescription], worker_of: &[usize]) -> Self {
         let (mut groups, waves) = groups::form(scenario, worker_of);
         let mut table = SlotTable::assign(scenario, descriptions, &mut groups);
-        let mut inputs = table.inputs();
-        for (port, slot) in table.input_slots() {
-            inputs.store(slot, &start_value(&descriptions[port.instance].variables[port.variable]));
-        }
-        for (instance, of) in scenario.instances.iter().enumerate() {
-            for preset in &of.presets {
-                if let Some(slot) = table.input(Port { instance, variable: preset.variable }) {
-                    inputs.store(slot, &preset.value);
-                }
-            }
-        }
+        let inputs = first_inputs(scenario, descriptions, &table);
         let [delayed, direct]: [Vec<Feed>; 2] = [false, true].map(|direct| {
             let mut by_group = vec![Vec::new(); groups.len()];
             for connection in scenario.connections.iter().filter(|connection| connection.direct == direct) {
@@ -173,6 +163,22 @@ impl Plan {
     pub fn place(&self, port: Port) -> Slot {
         self.table.read(port)
     }
+}
+
+/// The inputs before anything drives them: what the script gives them, else the start value of their description.
+fn first_inputs(scenario: &Scenario, descriptions: &[&ModelDescription], table: &SlotTable) -> Values {
+    let mut inputs = table.inputs();
+    for (port, slot) in table.input_slots() {
+        inputs.store(slot, &start_value(&descriptions[port.instance].variables[port.variable]));
+    }
+    for (instance, of) in scenario.instances.iter().enumerate() {
+        for preset in &of.presets {
+            if let Some(slot) = table.input(Port { instance, variable: preset.variable }) {
+                inputs.store(slot, &preset.value);
+            }
+        }
+    }
+    inputs
 }
 
 /// The shared expressions that these feeds use, by way of others too, in their order.

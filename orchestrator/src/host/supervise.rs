@@ -6,6 +6,7 @@
 mod log_lines;
 mod log_order;
 mod post_mortem;
+mod standings;
 mod stepping_process;
 mod terms;
 #[cfg(test)]
@@ -15,7 +16,6 @@ use crate::host::watchdog::Watchdog;
 use crate::run::interruption;
 use crate::run::message::{Finish, Message, Reason};
 use crate::run::run_spec::RunSpec;
-use flatten::claims::info;
 use fmi2::printable;
 use log_lines::LogLines;
 use log_order::LogOrder;
@@ -27,7 +27,8 @@ use results::report::console::Console;
 use results::report::progress::Progress;
 use results::shortest_decimal;
 use results::sink::Event;
-use results::verdict::{JudgedClaim, Standing, Verdict};
+use standings::standing_claims;
+pub(crate) use standings::standings;
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -36,7 +37,7 @@ use std::{fs, thread};
 pub use stepping_process::SUBCOMMAND;
 use stepping_process::SteppingProcess;
 pub use terms::{BeginLive, RunEnd, StartWorkers, Stepping, SuperviseError};
-use unit::board::{Board, BoardLayout, ClaimNote, InCall};
+use unit::board::{Board, BoardLayout, InCall};
 use unit::failure::{Cause, Failure};
 use unit::logger::LogMessage;
 use unit::process::LONGEST_STOP;
@@ -379,26 +380,4 @@ impl<'a, W: Write> Supervision<'a, W> {
         self.report_unsaved(last_tick);
         Ok(ended)
     }
-}
-
-/// The claims that say something already, for the progress line. One that is open shows the margin so far.
-fn standing_claims(board: &Board, spec: &RunSpec) -> Vec<JudgedClaim> {
-    let claims = spec.scenario.claims.iter().enumerate();
-    let shown = claims.filter_map(|(i, claim)| {
-        let standing = standing(&board.claim(i)?);
-        let verdict = if standing.verdict == Verdict::Fails { Verdict::Fails } else { Verdict::Holds };
-        Some(JudgedClaim::new(&info(claim), &Standing { verdict, ..standing }, spec.scenario.step_ns))
-    });
-    shown.collect()
-}
-
-/// How the first so many claims stand.
-pub(crate) fn standings(board: &Board, claims: usize) -> Vec<Standing> {
-    (0..claims).map(|i| board.claim(i).map_or(Standing::UNKNOWN, |note| standing(&note))).collect()
-}
-
-/// A claim's note; a number that is no verdict decides nothing.
-fn standing(note: &ClaimNote) -> Standing {
-    let verdict = Verdict::from_number(note.verdict).unwrap_or(Verdict::Undecided);
-    Standing { verdict, margin: note.margin, worst_tick: note.worst_tick }
 }
