@@ -11,6 +11,7 @@ use results::run_folder::{RunFolder, TRACE_CSV, TRACE_PARQUET};
 use results::run_record::RunState;
 use results::signals::{self, Signal};
 use results::sink::Sink;
+use results::verdict::Verdict;
 use std::cell::RefCell;
 use std::fs::File;
 use std::os::unix::process::ExitStatusExt;
