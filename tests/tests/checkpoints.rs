@@ -311,9 +311,12 @@ fn units_that_cannot_save_their_state_are_named_at_once_before_the_run() {
     let (other, fmu) = Foreign { description: &[(flag, &half)], ..Foreign::default() }.build();
     fs::copy(fmu, folder.path().join("half.fmu")).unwrap();
     drop(other);
-    let script = "scenario \"Units without states\"\nstep 100 ms\nstop 1 s\nfmu path = \"trajectory\"\n\
-                  fmu a = \"foreign.fmu\"\nfmu b = \"half.fmu\"\nfmu c = \"foreign.fmu\"\n\
-                  record path.leg, a.y, b.y, c.y\n";
+    let values = "{ u = 0, enabled = true }";
+    let script = format!(
+        "scenario \"Units without states\"\nstep 100 ms\nstop 1 s\nfmu path = \"trajectory\"\n\
+         fmu a = \"foreign.fmu\" {values}\nfmu b = \"half.fmu\" {values}\nfmu c = \"foreign.fmu\" {values}\n\
+         record path.leg, a.y, b.y, c.y\n"
+    );
     fs::write(folder.path().join("a.scn"), script).unwrap();
     let to = folder.path().join("to").display().to_string();
     let text = refused(&folder, &["--save-at", "500ms", &to]) + &refused(&folder, &["--from", &to]);

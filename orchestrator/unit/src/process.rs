@@ -5,8 +5,8 @@ use std::ffi::{CString, c_int};
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
-use std::{fs, io, ptr};
+use std::time::{Duration, Instant};
+use std::{fs, io, ptr, thread};
 
 /// Whether this process adopts orphans; until then it has no processes but those that it started and waits for.
 static ADOPTS: AtomicBool = AtomicBool::new(false);
@@ -146,6 +146,33 @@ impl Drop for Descendants {
             }
         }
     }
+}
+
+/// How long a copy of this process may take to return from its call once the run has ended.
+const COPY_RETURNS: Duration = Duration::from_millis(200);
+
+/// Waits for copies of this process that a unit has made (fork): each ends when its call returns, and leaves a note about it.
+/// One that does not return in time is left to the end of the run.
+#[cfg(target_os = "linux")]
+pub fn await_copies() {
+    let began = Instant::now();
+    while has_copy() && began.elapsed() < COPY_RETURNS {
+        thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Elsewhere a copy is noticed only if it returns while the run goes on.
+#[cfg(not(target_os = "linux"))]
+pub fn await_copies() {}
+
+/// Whether a child of this process runs the same program.
+#[cfg(target_os = "linux")]
+fn has_copy() -> bool {
+    let program = |process: &str| fs::read_link(format!("/proc/{process}/exe")).ok();
+    let threads = fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let lists = threads.filter_map(|thread| fs::read_to_string(thread.path().join("children")).ok());
+    let own = program("self");
+    own.is_some() && lists.into_iter().any(|children| children.split_whitespace().any(|child| program(child) == own))
 }
 
 /// The children of this process, from `/proc/*/stat`: id, name in brackets, state, id of the parent.

@@ -231,6 +231,7 @@ impl Worker for InProcess {
             }
             held.instance.free();
         }
+        unit::process::await_copies();
         first
     }
 }
