@@ -195,7 +195,7 @@ fn requirements_of_a_library_on_its_process_are_reported_before_the_run() {
     let flag = "canHandleVariableCommunicationStepSize=\"true\"";
     let flags = format!("{flag} canBeInstantiatedOnlyOncePerProcess=\"true\" needsExecutionTool=\"true\"");
     let (folder, _) = Foreign { description: &[(flag, &flags)], ..Foreign::default() }.build();
-    let unit = |name| format!("fmu {name} = \"foreign.fmu\"\n");
+    let unit = |name| format!("fmu {name} = \"foreign.fmu\" {{ u = 0, enabled = true }}\n");
     fs::write(folder.path().join("a.scn"), [HEAD, &unit("one"), &unit("two"), "record one.y, two.y\n"].concat())
         .unwrap();
     insta::assert_snapshot!(refused(folder.path(), &["run", "a.scn"]));

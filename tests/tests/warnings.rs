@@ -34,6 +34,7 @@ fn with_gust() -> TempDir {
     let unit = Generic {
         definitions: "<UnitDefinitions><Unit name=\"m/s\"><BaseUnit m=\"1\" s=\"-1\"/></Unit></UnitDefinitions>",
         variables: &variables,
+        code: &[("INSTANTIATE_CODE", "R[0] = 1; R[1] = -2.5;")],
         ..Generic::default()
     };
     unit.pack(folder.path(), "plane");
