@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-/// The name of a variable as a script writes it: `state.position.x`, `plant.'der(x)'`. What stands in quotes already, as
-/// names of structured variables may, stays as it is.
+/// The name of a variable as a script writes it: `state.position.x`, `plant.'der(x)'`. What is in quotes already, as
+/// names of structured variables may be, is unchanged.
 #[must_use]
 pub fn variable(name: &str) -> Cow<'_, str> {
     let mut rest = name;
@@ -39,7 +39,7 @@ fn is_index(index: &str) -> bool {
     index.split(',').all(|number| number.parse::<u32>().is_ok_and(|value| value.to_string() == number))
 }
 
-/// A text as a script writes it: in double quotes, with escapes for what cannot stand in them.
+/// A text as a script writes it: in double quotes, with escapes for what cannot be in them.
 #[must_use]
 pub fn text(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n").replace('\t', "\\t"))

@@ -69,17 +69,10 @@ impl<'a> Place<'a> {
 
     /// The quote of the line, up to a byte, that nothing closes.
     fn open_quote(&self, at: usize) -> Option<usize> {
-        let mut here = lines::line_start(self.blanked, at).max(self.from);
-        while here < at {
-            let c = self.blanked[here..].chars().next()?;
-            let length =
-                if matches!(c, '"' | '\'') { lines::quoted_length(&self.blanked[here..]) } else { c.len_utf8() };
-            if matches!(c, '"' | '\'') && !lines::is_closed(&self.blanked[here..here + length]) {
-                return Some(here);
-            }
-            here += length;
-        }
-        None
+        let line = lines::line_start(self.blanked, at).max(self.from);
+        let symbols = lines::symbols(&self.blanked[line..]).map(|(byte, symbol)| (line + byte, symbol));
+        let quotes = symbols.take_while(|(here, _)| *here < at).filter(|(_, symbol)| matches!(symbol, '"' | '\''));
+        quotes.map(|(here, _)| here).find(|&here| !lines::is_closed(token(&self.blanked[here..])))
     }
 
     /// Where a line should have continued, if the next statement begins at a byte.
@@ -220,17 +213,14 @@ impl<'a> Failure<'a> {
     /// The brackets before the place of the failure that nothing closes, with their bytes.
     pub fn open_brackets(&self) -> Vec<(usize, char)> {
         let mut open: Vec<(usize, char)> = Vec::new();
-        let mut at = self.from;
-        while let Some(c) = self.blanked[at..self.at].chars().next() {
-            match c {
-                '(' | '[' | '{' => open.push((at, c)),
+        for (byte, symbol) in lines::symbols(&self.blanked[self.from..self.at]) {
+            match symbol {
+                '(' | '[' | '{' => open.push((self.from + byte, symbol)),
                 ')' | ']' | '}' => {
-                    open.pop_if(|(_, bracket)| closing(*bracket) == c);
+                    open.pop_if(|(_, bracket)| closing(*bracket) == symbol);
                 }
                 _ => {}
             }
-            let quoted = matches!(c, '"' | '\'');
-            at += if quoted { token(&self.blanked[at..self.at]).len() } else { c.len_utf8() };
         }
         open
     }
@@ -244,16 +234,14 @@ impl<'a> Failure<'a> {
     pub fn is_closed_later(&self, brace: usize) -> bool {
         const SEARCHED_BYTES: usize = 4096;
         let text = &self.blanked[brace..self.blanked.floor_char_boundary(brace + SEARCHED_BYTES)];
-        let (mut at, mut depth) = (0, 0_usize);
-        while let Some(c) = text[at..].chars().next() {
-            match c {
+        let mut depth = 0_usize;
+        for (_, symbol) in lines::symbols(text) {
+            match symbol {
                 '{' => depth += 1,
                 '}' if depth == 1 => return true,
                 '}' => depth -= 1,
                 _ => {}
             }
-            let quoted = matches!(c, '"' | '\'');
-            at += if quoted { token(&text[at..]).len() } else { c.len_utf8() };
         }
         false
     }

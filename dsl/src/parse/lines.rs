@@ -57,17 +57,21 @@ pub(super) fn is_closed(quoted: &str) -> bool {
     quote != '"' || backslashes.is_multiple_of(2)
 }
 
+/// The characters of a text with their bytes; of what is quoted only the first quote.
+pub(crate) fn symbols(text: &str) -> impl Iterator<Item = (usize, char)> {
+    let mut next = 0;
+    std::iter::from_fn(move || {
+        let (at, rest) = (next, &text[next..]);
+        let symbol = rest.chars().next()?;
+        next += if matches!(symbol, '"' | '\'') { quoted_length(rest) } else { symbol.len_utf8() };
+        Some((at, symbol))
+    })
+}
+
 /// Whether a line holds an arrow, outside quotes, that does not begin it.
 fn holds_arrow(line: &str) -> bool {
     let line = line.trim_start();
-    let mut at = 0;
-    while let Some(c) = line[at..].chars().next() {
-        if at > 0 && (line[at..].starts_with("->") || line[at..].starts_with("=>")) {
-            return true;
-        }
-        at += if matches!(c, '"' | '\'') { quoted_length(&line[at..]) } else { c.len_utf8() };
-    }
-    false
+    symbols(line).any(|(at, _)| at > 0 && (line[at..].starts_with("->") || line[at..].starts_with("=>")))
 }
 
 /// Whether a statement begins on a line.

@@ -71,7 +71,7 @@ pub(super) fn unclosed(failure: &Failure<'_>) -> Option<(Diagnostic, usize)> {
     Some((diagnostic.label(place, "the next statement begins here"), line))
 }
 
-/// That a statement, which begins at a byte, stands in braces of values or actions that are closed after it.
+/// That a statement, which begins at a byte, is in braces of values or actions that are closed after it.
 fn statement_in_braces(failure: &Failure<'_>, opened: usize, begins: usize) -> Option<Diagnostic> {
     let text = failure.blanked;
     let line = &text[begins..lines::line_end(text, begins)];
@@ -79,7 +79,7 @@ fn statement_in_braces(failure: &Failure<'_>, opened: usize, begins: usize) -> O
         return None;
     }
     let place = failure.span_of(begins, lines::first_word(line).len().max(1));
-    let error = Diagnostic::error("E00", place, "a statement stands in braces that take none");
+    let error = Diagnostic::error("E00", place, "a statement in braces that cannot contain one");
     Some(error.label(failure.span_of(opened, 1), "opened here").help("close the braces before it"))
 }
 
@@ -218,7 +218,7 @@ fn word_after_condition(failure: &Failure<'_>) -> Option<Diagnostic> {
         return None;
     }
     if is_window {
-        let message = format!("`{word}` stands right behind `always` or `eventually`");
+        let message = format!("`{word}` comes right after `always` or `eventually`");
         return Some(error(failure, message).help(format!("write for example `eventually {word} 5 s x > 3 m`")));
     }
     let line = failure.line();
@@ -230,7 +230,7 @@ fn word_after_condition(failure: &Failure<'_>) -> Option<Diagnostic> {
         (None, _) if word == "not" => "write `not` to the left of it".to_owned(),
         (None, _) => format!("`{word}` belongs to an `assert`"),
     };
-    Some(error(failure, format!("`{word}` stands before its condition")).help(help))
+    Some(error(failure, format!("`{word}` comes before its condition")).help(help))
 }
 
 /// `record a.x every 20 ms, b.x`

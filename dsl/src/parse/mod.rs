@@ -20,6 +20,7 @@ use std::thread;
 
 use failure::Place;
 use grammar::{Grammar, Rule};
+pub(crate) use lines::symbols;
 use pest::Parser;
 use pest::iterators::Pair;
 
@@ -147,6 +148,11 @@ fn match_rule(rule: Rule, text: &str) -> Matched<'_> {
         }
     });
     matched.map_err(Box::new).map(tree::only)
+}
+
+/// Whether a script can write a unit of measure behind a number without quotes.
+pub(crate) fn is_plain_unit(unit: &str) -> bool {
+    !unit.starts_with('\'') && Grammar::parse(Rule::unit, unit).is_ok_and(|matched| matched.as_str() == unit)
 }
 
 /// Runs `work` with a stack for the deepest nesting allowed, independent of the caller's stack.

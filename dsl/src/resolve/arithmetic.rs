@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::meaning::{Meaning, Measure, Origin, Real, UnitName};
+use super::meaning::{Meaning, Measure, Real, UnitName};
 use super::measure::quantity;
 use super::real;
 use super::scale::Scale;
@@ -136,11 +136,7 @@ impl Scope<'_, '_> {
         let ((left, left_span), (right, right_span)) = (pair.left, pair.right);
         for ((value, span), (other, other_span)) in [(pair.left, pair.right), (pair.right, pair.left)] {
             if value.is_quantity() && other.measure == Measure::Undeclared {
-                let of = match other.origin {
-                    Origin::Port(port) => Some(port),
-                    _ => None,
-                };
-                self.warn_undeclared(value, span, &format!("`{}`", self.text(other_span)), of);
+                self.warn_undeclared(value, span, &self.text(other_span), other.port());
             }
         }
         self.warn_other_names(pair.left, pair.right);

@@ -136,7 +136,7 @@ impl Scope<'_, '_> {
         }
         let meaning = self.evaluate(tolerance)?;
         let tolerance_value = self.operand(&meaning, tolerance.span)?;
-        let beside = if matches!(left.origin, Origin::Port(_)) { left } else { right };
+        let beside = if left.port().is_some() { left } else { right };
         let tolerance_value = self.read_beside((&tolerance_value, tolerance.span), beside)?;
         let distance = Real::computed(real::call(Function::Abs, vec![difference]), measure, right.unit.clone());
         let pair = Pair { left: (&distance, sides.span()), right: (&tolerance_value, tolerance.span) };

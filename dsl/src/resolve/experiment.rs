@@ -32,7 +32,7 @@ impl Scope<'_, '_> {
                 .co_simulation
                 .as_ref()
                 .is_some_and(|unit| !unit.can_handle_variable_communication_step_size);
-            let own_s = experiment.step_size.filter(|own_s| is_fixed && *own_s > 0.0);
+            let own_s = experiment.step_size.filter(|own_s| is_fixed && *own_s > 0.0 && own_s.is_finite());
             let period_ns = periods[index].saturating_mul(step_ns);
             if let Some(own_s) = own_s.filter(|own_s| (own_s - seconds(period_ns)).abs() > ROUNDING_S) {
                 let message = format!(

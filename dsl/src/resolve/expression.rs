@@ -11,7 +11,7 @@ use super::measure::unit_name;
 use super::real;
 use super::scale::Scale;
 use super::scope::Scope;
-use super::script::{Declaration, not_yet};
+use super::script::{Declaration, RESERVED, not_yet};
 use crate::diagnostic::Diagnostic;
 use crate::scenario::{BooleanExpression, RealExpression};
 use crate::source::Span;
@@ -130,7 +130,7 @@ impl Scope<'_, '_> {
             if path.root.text == "seed" {
                 return self.narrowed(self.implicit_seed(), path);
             }
-            return self.refuse_unknown_name(&path.root, |_| true, &["time", "pi", "seed"]);
+            return self.refuse_unknown_name(&path.root, |_| true, &RESERVED);
         };
         match part {
             Declaration::Parameter(binding) => {

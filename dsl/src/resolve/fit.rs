@@ -9,6 +9,7 @@ use super::meaning::{Condition, Meaning, Measure, Origin, Real, Text};
 use super::measure::{quantity, si_name};
 use super::real;
 use super::scope::Scope;
+use super::script::RESERVED;
 use super::signal::Signal;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::{listed, nearest};
@@ -148,7 +149,7 @@ impl Scope<'_, '_> {
             return self.evaluate(value);
         };
         let is_enumeration = matches!(self.variable(*port).kind, Kind::Enumeration { .. });
-        let is_known = self.look_up(&path.root.text).is_some() || ["time", "pi", "seed"].contains(&&*path.root.text);
+        let is_known = self.look_up(&path.root.text).is_some() || RESERVED.contains(&&*path.root.text);
         if !is_enumeration || is_known || !path.tail.is_empty() {
             return self.evaluate(value);
         }

@@ -36,11 +36,7 @@ impl Scope<'_, '_> {
 
     /// A value as it is read in a sum or comparison with another.
     pub fn read_beside(&self, (value, span): (&Real, Span), other: &Real) -> Option<Real> {
-        let port = match other.origin {
-            Origin::Port(port) => Some(port),
-            _ => None,
-        };
-        self.read(value, span, port, other.scale.is_difference())
+        self.read(value, span, other.port(), other.scale.is_difference())
     }
 
     /// A value that meets no variable.

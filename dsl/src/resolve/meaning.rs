@@ -189,6 +189,14 @@ impl Real {
         }
     }
 
+    /// The variable, if it is the value of one.
+    pub fn port(&self) -> Option<Port> {
+        match self.origin {
+            Origin::Port(port) => Some(port),
+            _ => None,
+        }
+    }
+
     /// The value, if it is known before the run.
     pub fn constant(&self) -> Option<f64> {
         match self.expression {

@@ -6,6 +6,7 @@ use fmi2::units::{BaseUnit, Dimension};
 use super::meaning::{Measure, Origin, Real, UnitName};
 use super::real;
 use super::scope::Scope;
+use crate::parse::is_plain_unit;
 use crate::scenario::{MarginUnit, Port, RealExpression};
 
 /// Dimensions with an everyday name; exponents of kg m s A K mol cd rad.
@@ -61,9 +62,7 @@ pub(super) fn si_name(dimension: Dimension) -> String {
 
 /// A unit of measure as a script writes it: other than simple names in quotes.
 pub(super) fn as_written(unit: &str) -> String {
-    let is_name = unit.starts_with(|first: char| first.is_alphabetic() || "%°".contains(first))
-        && unit.chars().all(|letter| letter.is_alphanumeric() || "*/^-%°²³".contains(letter));
-    if is_name && unit != "in" { unit.to_owned() } else { format!("'{unit}'") }
+    if is_plain_unit(unit) { unit.to_owned() } else { format!("'{unit}'") }
 }
 
 /// A unit for people; on a scale with an offset, differences are in SI.
@@ -143,8 +142,11 @@ fn a_dimension_is_written_as_a_script_can_read_it() {
 
 #[test]
 fn a_unit_of_measure_is_quoted_where_it_is_no_plain_name() {
-    for (unit, written) in [("m/s^2", "m/s^2"), ("%", "%"), ("N.m", "'N.m'"), ("in", "'in'"), ("1/s", "'1/s'")] {
-        assert_eq!(as_written(unit), written);
+    for plain in ["m/s^2", "%", "°C", "m²", "km/h"] {
+        assert_eq!(as_written(plain), plain);
+    }
+    for quoted in ["N.m", "in", "at", "1/s", "N-m", "m22", "a b", ""] {
+        assert_eq!(as_written(quoted), format!("'{quoted}'"));
     }
 }
 

@@ -3,7 +3,7 @@
 use fmi2::units::{BaseUnit, Dimension};
 
 use super::fit::Meeting;
-use super::meaning::{Measure, Origin, Real};
+use super::meaning::{Measure, Real};
 use super::scope::Scope;
 use crate::diagnostic::Diagnostic;
 use crate::scenario::Port;
@@ -102,7 +102,7 @@ impl Scope<'_, '_> {
         if !unit.is_relative(target.variable) {
             return value.scale.clashes(Scale::Point { offset: has_offset });
         }
-        let is_port = matches!(value.origin, Origin::Port(_)) && !value.scale.is_difference();
+        let is_port = value.port().is_some() && !value.scale.is_difference();
         value.scale == Scale::Point { offset: true } || (has_offset && is_port)
     }
 

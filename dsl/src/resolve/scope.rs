@@ -19,6 +19,7 @@ use super::script::{Declaration, Script};
 use super::unit::Unit;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
+use crate::parse::symbols;
 use crate::scenario::{BooleanExpression, Condition, Port};
 use crate::source::Span;
 use crate::spelling;
@@ -273,19 +274,8 @@ fn too_large(binding: &Binding, why: &str) -> Diagnostic {
 /// Line breaks and comments become single blanks.
 fn one_line(text: &str) -> String {
     let bare = text.lines().map(|line| {
-        let (mut quote, mut is_escaped) = (None, false);
-        let end = line.char_indices().find(|&(_, letter)| {
-            match quote {
-                _ if is_escaped => is_escaped = false,
-                None if letter == '#' => return true,
-                None if letter == '"' || letter == '\'' => quote = Some(letter),
-                Some('"') if letter == '\\' => is_escaped = true,
-                Some(open) if open == letter => quote = None,
-                _ => {}
-            }
-            false
-        });
-        line[..end.map_or(line.len(), |(at, _)| at)].trim()
+        let comment = symbols(line).find(|&(_, symbol)| symbol == '#');
+        line[..comment.map_or(line.len(), |(at, _)| at)].trim()
     });
     bare.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
 }

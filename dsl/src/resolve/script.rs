@@ -112,7 +112,7 @@ impl<'a> Declaration<'a> {
 }
 
 /// Names that mean something already.
-const RESERVED: [&str; 3] = ["time", "pi", "seed"];
+pub(super) const RESERVED: [&str; 3] = ["time", "pi", "seed"];
 
 /// That this version does not know something; `what` reads as the subject of the sentence.
 pub(super) fn not_yet(span: Span, what: &str) -> Diagnostic {

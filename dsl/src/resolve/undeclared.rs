@@ -19,7 +19,7 @@ impl Scope<'_, '_> {
         match (value.origin, undefined) {
             (Origin::Port(source), _) => self.warn_other_name(source, target, at),
             (Origin::Literal { has_unit: true, .. }, _) if self.declared_unit(target).is_none() => {
-                self.warn_undeclared(value, at.source, &format!("`{name}`"), Some(target));
+                self.warn_undeclared(value, at.source, &name, Some(target));
             }
             (Origin::Computed, Some(unit)) if !matches!(value.measure, Measure::PLAIN | Measure::Undeclared) => {
                 let Measure::Known(dimension) = value.measure else { return };
@@ -42,11 +42,7 @@ impl Scope<'_, '_> {
 
     /// Warns of a connection between units of measure of different names of which one has no definition.
     fn warn_other_name(&self, source: Port, target: Port, at: Meeting<'_>) {
-        let names = [source, target].map(|port| self.known(port.instance).unit_of(port.variable));
-        let ([Some(gives), Some(takes)], Some(arrow)) = (names, at.arrow.or(Some("="))) else { return };
-        if gives == takes {
-            return;
-        }
+        let Some([gives, takes]) = self.other_names([source, target]) else { return };
         let is_undefined = [source, target].map(|port| self.undefined_unit(port).is_some());
         let message = format!("{}: the number passes as it is", self.names_differ((source, gives), (target, takes)));
         let warning = Diagnostic::warning("W01", at.source, message).saying(format!("gives {gives}"));
@@ -62,12 +58,20 @@ impl Scope<'_, '_> {
             [true, false] => format!("{from} as {gives}"),
             [false, _] => format!("{from} in {takes}"),
         };
-        let written = |value: &str| if arrow == "=" { value.to_owned() } else { format!("{value} {arrow} {to}") };
+        let written = |value: &str| at.arrow.map_or(value.to_owned(), |arrow| format!("{value} {arrow} {to}"));
         let accept = format!("to accept it write `{}`", written(&format!("1 * {from}")));
         self.report(warning.help(match converts {
             true => format!("to convert it write `{}`; {accept}", written(&convert)),
             false => accept,
         }));
+    }
+
+    /// The names of the units of measure of two variables, if they differ and not both have a definition.
+    fn other_names(&self, ports: [Port; 2]) -> Option<[&str; 2]> {
+        let names = ports.map(|port| self.known(port.instance).unit_of(port.variable));
+        let [Some(left), Some(right)] = names else { return None };
+        let is_undefined = ports.iter().any(|port| self.undefined_unit(*port).is_some());
+        (left != right && is_undefined).then_some([left, right])
     }
 
     fn names_differ(&self, (left, of_left): (Port, &str), (right, of_right): (Port, &str)) -> String {
@@ -81,20 +85,16 @@ impl Scope<'_, '_> {
 
     /// Warns that two variables meet in a sum or comparison whose units of measure differ by name and are not both defined.
     pub fn warn_other_names(&self, left: (&Real, Span), right: (&Real, Span)) {
-        let (Origin::Port(of_left), Origin::Port(of_right)) = (left.0.origin, right.0.origin) else { return };
-        let names = [of_left, of_right].map(|port| self.known(port.instance).unit_of(port.variable));
-        let is_undefined = [of_left, of_right].iter().any(|port| self.undefined_unit(*port).is_some());
-        let [Some(l), Some(r)] = names else { return };
-        if l == r || !is_undefined {
-            return;
-        }
+        let (Some(of_left), Some(of_right)) = (left.0.port(), right.0.port()) else { return };
+        let Some([l, r]) = self.other_names([of_left, of_right]) else { return };
         let message = format!("{}: the numbers meet as they are", self.names_differ((of_left, l), (of_right, r)));
         let warning =
             Diagnostic::warning("W01", left.1, message).saying(format!("in {l}")).label(right.1, format!("in {r}"));
         self.report(warning.help("give a value without a defined unit its unit by `as`, for example `x as km/h`"));
     }
 
-    /// Warns that a quantity is passed to a variable without a known unit, or meets one; `of` is the variable if it is one.
+    /// Warns that a quantity is passed to a variable without a known unit, or meets one.
+    /// `variable` is the text of what it meets, `of` the variable if it is one.
     pub fn warn_undeclared(&self, value: &Real, span: Span, variable: &str, of: Option<Port>) {
         let (Origin::Literal { number, base, has_unit: true }, Some(si)) = (value.origin, value.constant()) else {
             return;
@@ -107,8 +107,8 @@ impl Scope<'_, '_> {
         let si_unit = si_name(base.dimension);
         let shown = if si_unit.is_empty() { String::new() } else { format!(" ({si_unit})") };
         let why = match undefined {
-            Some((port, unit)) => self.is_in_undefined(variable.trim_matches('`'), unit, port),
-            None => format!("{variable} declares no unit"),
+            Some((port, unit)) => self.is_in_undefined(variable, unit, port),
+            None => format!("`{variable}` declares no unit"),
         };
         let message = format!("{why}; {number} {written} is passed as {}{shown}", six_digits(si));
         let accept = if si_unit.is_empty() { format!("{si}") } else { format!("{number} {written} in {si_unit}") };

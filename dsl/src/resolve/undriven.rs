@@ -1,6 +1,7 @@
 //! Inputs that no connection drives and to which the script gives no value: what is often a forgotten connection.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::mem::discriminant;
 
 use fmi2::description::{Causality, Kind, Variable};
 use fmi2::units::BaseUnit;
@@ -58,11 +59,11 @@ impl Scope<'_, '_> {
         };
         let message = format!("nothing drives {what}, and the script gives {them} no value");
         let keeps = if has_start { keeps } else { "the description of the unit gives no start value either" };
-        let mut values = Vec::new();
-        self.values(instance, group, open, &mut values);
         let help = if open.len() > VALUES_SHOWN {
             format!("connect {them}, or write values into the braces of this line; `lockstep check -v` lists {them}")
         } else {
+            let mut values = Vec::new();
+            self.values(instance, group, open, &mut values);
             format!("connect {them}, or write into the braces of this line: `{{ {} }}`", values.join(", "))
         };
         Diagnostic::warning("W02", name.span, message).saying(keeps).help(help)
@@ -76,12 +77,13 @@ impl Scope<'_, '_> {
         let members = unit.members(prefix).into_iter().map(|(_, variable)| variable);
         let settable = members.filter(|&variable| self.may(Role::Preset, Port { instance, variable }));
         let behind = |variable: usize| behind(unit, variable);
+        let kind = |variable: usize| (discriminant(&unit.variables[variable].kind), behind(variable));
         if spelling::variable(prefix) == prefix
-            && open.iter().all(|&variable| behind(variable) == behind(open[0]))
+            && open.iter().all(|&variable| kind(variable) == kind(open[0]))
             && settable.eq(open.iter().copied())
         {
             let numbers: Vec<_> = open.iter().map(|&variable| start(unit, variable)).collect();
-            into.push(format!("{prefix} = [{}]{}", numbers.join(", "), behind(open[0]).1));
+            into.push(format!("{prefix} = [{}]{}", numbers.join(", "), behind(open[0])));
             return;
         }
         let mut parts: Vec<(&str, Vec<usize>)> = Vec::new();
@@ -94,8 +96,9 @@ impl Scope<'_, '_> {
         }
         for (part, variables) in parts {
             match variables.as_slice() {
-                &[one] if name(one) == part => {
-                    into.push(format!("{} = {}{}", spelling::variable(part), start(unit, one), behind(one).1));
+                // Of variables of one name, which no valid description has, a script can set the first.
+                &[one, ..] if variables.iter().all(|&variable| name(variable) == part) => {
+                    into.push(format!("{} = {}{}", spelling::variable(part), start(unit, one), behind(one)));
                 }
                 _ => self.values(instance, part, &variables, into),
             }
@@ -132,17 +135,11 @@ fn next_part(name: &str, from: usize) -> &str {
     &name[..end.map_or(name.len(), |(at, _)| at)]
 }
 
-/// The type of a variable, and what follows its number or list in a script: a blank and a unit of measure, or nothing.
-fn behind(unit: &Unit, variable: usize) -> (u8, String) {
-    match &unit.variables[variable].kind {
-        Kind::Real(_) => match (unit.unit_of(variable), unit.base_of(variable)) {
-            (Some(name), Some(base)) if base != BaseUnit::default() => (0, format!(" {}", as_written(name))),
-            _ => (0, String::new()),
-        },
-        Kind::Integer { .. } => (1, String::new()),
-        Kind::Boolean { .. } => (2, String::new()),
-        Kind::String { .. } => (3, String::new()),
-        Kind::Enumeration { .. } => (4, String::new()),
+/// What follows the number or list of a variable in a script: a blank and a unit of measure, or nothing.
+fn behind(unit: &Unit, variable: usize) -> String {
+    match (unit.unit_of(variable), unit.base_of(variable)) {
+        (Some(name), Some(base)) if base != BaseUnit::default() => format!(" {}", as_written(name)),
+        _ => String::new(),
     }
 }
 

@@ -29,6 +29,13 @@ fn the_line_to_paste_answers_the_warning() {
 }
 
 #[test]
+fn inputs_of_one_name_are_listed_once() {
+    let shown = all_shown(&script("fmu a = \"repeated\"\nrecord a.y"));
+    assert!(shown.contains("nothing drives the 3 inputs `a.u`"), "{shown}");
+    assert!(shown.contains("`{ u = 1, u.x = 3 }`"), "{shown}");
+}
+
+#[test]
 fn a_value_during_the_run_is_a_value_too() {
     let lines = "fmu quad = \"quadcopter\" { rotor_speed = [0, 0] rad/s, moment = 0 N*m }\nrecord quad.roll";
     assert!(all_shown(&script(lines)).contains("nothing drives the 3 inputs `quad.wind`"));

@@ -105,6 +105,13 @@ const TANK: &str = "
     input continuous Real u gal start=0
     output continuous Real w gal initial=exact start=1";
 
+/// Two inputs of one name, which no valid description has.
+const REPEATED: &str = "
+    input continuous Real u - start=1
+    input continuous Real u - start=2
+    input continuous Real u.x - start=3
+    output continuous Real y - deps=";
+
 /// Variables with limits.
 const LIMITED: &str = "
     parameter tunable Real part - min=0 max=10 start=1
@@ -200,6 +207,7 @@ impl Loader for Memory {
             "wind" => WIND,
             "heater" => HEATER,
             "undefined" => UNDEFINED,
+            "repeated" => REPEATED,
             "limited" => LIMITED,
             "us" | "uk" => {
                 let factor = if name == "us" { "0.003785411784" } else { "0.00454609" };
