@@ -46,8 +46,8 @@ pub fn path(path: impl AsRef<Path>) -> String {
     }
 }
 
-/// A path or another text as one word of a command line for a shell. What cannot be printed is written as an octal number, which `bash` and
-/// `zsh` read.
+/// A path or another text as one word of a command line for a shell. What cannot be printed is written as an octal number,
+/// which `bash` and `zsh` read.
 #[must_use]
 pub fn shell_word(path: impl AsRef<Path>) -> String {
     let path = path.as_ref();

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Kind, ModelDescription, TypeKind, Variable};
 
-/// How far a Real may lie beyond its limit, relative to the limit: a value that was converted from another unit of measure
+/// How far a Real may be beyond its limit, relative to the limit: a value that was converted from another unit of measure
 /// differs from the number in the description by rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -53,7 +53,7 @@ impl Limits {
         self.min.is_none() && self.max.is_none() && self.items.is_empty()
     }
 
-    /// Whether a value is allowed; not-a-number is no matter of limits and is.
+    /// Whether a value is allowed; not-a-number, to which limits do not apply, is.
     #[must_use]
     pub fn allow(&self, value: f64) -> bool {
         let is_below = self.min.is_some_and(|min| value < min - ROUNDING * min.abs());
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rounding_is_allowed_and_not_a_number_is_no_matter_of_limits() {
+    fn rounding_and_not_a_number_are_allowed() {
         let limits = Limits { min: Some(-0.1), max: Some(0.3), items: Vec::new() };
         for value in [-0.1, 0.1 + 0.2, f64::NAN] {
             assert!(limits.allow(value), "{value}");

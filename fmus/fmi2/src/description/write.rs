@@ -148,7 +148,7 @@ fn real_attributes(xml: &mut Xml, real: &RealAttributes) {
     xml.put_some("quantity", real.quantity.as_deref());
     xml.put_some("unit", real.unit.as_deref());
     xml.put_some("displayUnit", real.display_unit.as_deref());
-    xml.put_some("relativeQuantity", real.relative_quantity.map(|relative| if relative { "true" } else { "false" }));
+    xml.put_some("relativeQuantity", real.relative_quantity.map(boolean));
     xml.put_number("min", real.min);
     xml.put_number("max", real.max);
     xml.put_number("nominal", real.nominal);

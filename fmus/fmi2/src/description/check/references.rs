@@ -1,6 +1,6 @@
 //! Rules for aliases: variables that share a value reference.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::Report;
 use crate::description::{BaseType, Kind, ModelDescription, Variability, Variable};
@@ -52,9 +52,11 @@ fn pair<'a>(report: &mut Report<'a>, first: &'a Variable, other: &'a Variable) {
     }
 }
 
+/// Whether the items have equal names and values, in any order.
 fn same_items(model: &ModelDescription, first: &Variable, other: &Variable) -> bool {
-    let items = |variable| model.items_of(variable).iter().map(|item| (item.value, &item.name));
-    first.declared_type == other.declared_type || items(first).eq(items(other))
+    let items =
+        |variable| model.items_of(variable).iter().map(|item| (item.value, &item.name)).collect::<BTreeSet<_>>();
+    first.declared_type == other.declared_type || items(first) == items(other)
 }
 
 fn same_start(first: &Variable, other: &Variable) -> bool {
