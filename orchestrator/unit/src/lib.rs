@@ -1,7 +1,8 @@
 //! The importer: archives, libraries and instances of units, and the board that outlives their process.
 //!
-//! All unsafe code of the importing side is in this crate, also that which concerns processes. A value leaves the step loop, passes through a function
-//! pointer in [`instance`], and arrives in `fmus/<unit>/src/lib.rs` or in a unit of another vendor.
+//! All unsafe code of the importing side is in this crate, also that which concerns processes. A value leaves the step
+//! loop, passes through a function pointer in [`instance`], and arrives in `fmus/<unit>/src/lib.rs` or in a unit of another
+//! vendor.
 #![allow(unsafe_code, reason = "libraries are foreign code, and the board is memory that another process maps")]
 
 pub mod archive;

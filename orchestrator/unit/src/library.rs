@@ -204,7 +204,7 @@ fn check_version(functions: &Functions, path: &Path, note: &Note, instance: usiz
         let now = note.at(0, 0.0);
         now.enter(instance, Doing::Call(call));
         // SAFETY: the standard allows this call at any time; the function returns a constant of the library.
-        let found = unsafe { read_text(function()) };
+        let found = fatal_if_unwound(|| (), || unsafe { read_text(function()) });
         drop(now);
         if found != expected {
             let (library, function) = (path.to_path_buf(), call.name());

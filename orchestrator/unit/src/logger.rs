@@ -45,7 +45,7 @@ impl LogMessage {
     #[must_use]
     pub fn warning(instance: usize, (tick, counts_at): (u64, u64), text: String) -> Self {
         let (status, category) = (Status::Warning as RawStatus, "logStatusWarning".to_owned());
-        Self { instance: Some(instance), tick, counts_at, status, category, text }
+        Self { instance: Some(instance), tick, counts_at, status, category, text }.shortened()
     }
 
     /// The status as it is shown to users.
@@ -63,10 +63,11 @@ impl LogMessage {
         name.to_owned()
     }
 
-    /// Cuts text and category to so many bytes each, with a note where something is cut off.
-    pub fn shorten_to(&mut self, bytes: usize) {
-        cut(&mut self.text, bytes);
-        cut(&mut self.category, bytes);
+    /// This message with the ends of text and category cut off where they are too long for the board, with a note.
+    fn shortened(mut self) -> Self {
+        cut(&mut self.text, LONGEST_TEXT);
+        cut(&mut self.category, LONGEST_TEXT);
+        self
     }
 }
 
@@ -98,9 +99,7 @@ unsafe fn deliver(
         let text = environment.names.expand(String::from_utf8_lossy(&text()).trim_end(), LONGEST_TEXT);
         let instance = exact.then_some(environment.instance);
         let (tick, counts_at) = (environment.note.tick(), environment.note.counts_at());
-        let mut message = LogMessage { instance, tick, counts_at, status, category, text };
-        message.shorten_to(LONGEST_TEXT);
-        (environment.sink)(message);
+        (environment.sink)(LogMessage { instance, tick, counts_at, status, category, text }.shortened());
     }));
 }
 

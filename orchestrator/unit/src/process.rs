@@ -51,13 +51,20 @@ pub fn is_ignored(signal: c_int) -> bool {
 /// How long a process of a run may be stopped: shorter than it may be without a sign of life, as there is no doubt about it.
 pub const LONGEST_STOP: Duration = Duration::from_secs(1);
 
-/// Whether a process of this user is stopped, by a signal or by a debugger. False where the system does not tell.
+/// Whether a process of this user is stopped, by a signal or by a debugger. False where the system does not report it.
 #[must_use]
 pub fn is_stopped(process: u32) -> bool {
-    let status = fs::read_to_string(format!("/proc/{process}/stat"));
-    // The second field is the name in parentheses, which may contain any character; the third is the state.
-    let state = status.ok().and_then(|status| status.rsplit_once(')')?.1.trim_start().chars().next());
+    let state = state_and_parent(Path::new(&format!("/proc/{process}"))).map(|(state, _)| state);
     matches!(state, Some('T' | 't'))
+}
+
+/// The state of the process whose folder in `/proc` this is, and the id of its parent.
+fn state_and_parent(process: &Path) -> Option<(char, u32)> {
+    let text = fs::read(process.join("stat")).ok()?;
+    let text = String::from_utf8_lossy(&text);
+    // The second field is the name in parentheses, which may contain any character.
+    let mut fields = text.rsplit_once(')')?.1.split_whitespace();
+    Some((fields.next()?.parse().ok()?, fields.next()?.parse().ok()?))
 }
 
 /// Makes this process the parent of each process below it whose own parent ends, so that [`Descendants`] finds it.
@@ -153,7 +160,6 @@ const COPY_RETURNS: Duration = Duration::from_millis(200);
 
 /// Waits for copies of this process that a unit has made (fork): each ends when its call returns, and leaves a note about it.
 /// One that does not return in time is left to the end of the run.
-#[cfg(target_os = "linux")]
 pub fn await_copies() {
     let began = Instant::now();
     while has_copy() && began.elapsed() < COPY_RETURNS {
@@ -161,12 +167,7 @@ pub fn await_copies() {
     }
 }
 
-/// Elsewhere a copy is noticed only if it returns while the run goes on.
-#[cfg(not(target_os = "linux"))]
-pub fn await_copies() {}
-
 /// Whether a child of this process runs the same program.
-#[cfg(target_os = "linux")]
 fn has_copy() -> bool {
     let program = |process: &str| fs::read_link(format!("/proc/{process}/exe")).ok();
     let threads = fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
@@ -175,15 +176,12 @@ fn has_copy() -> bool {
     own.is_some() && lists.into_iter().any(|children| children.split_whitespace().any(|child| program(child) == own))
 }
 
-/// The children of this process, from `/proc/*/stat`: id, name in brackets, state, id of the parent.
+/// The children of this process.
 fn children() -> Vec<libc::pid_t> {
     let own = std::process::id();
     let child = |path: &Path| {
         let id = path.file_name()?.to_str()?.parse().ok()?;
-        let text = fs::read(path.join("stat")).ok()?;
-        let text = String::from_utf8_lossy(&text);
-        let parent = text.rsplit_once(") ")?.1.split(' ').nth(1)?;
-        (parent.parse() == Ok(own)).then_some(id)
+        state_and_parent(path).is_some_and(|(_, parent)| parent == own).then_some(id)
     };
     fs::read_dir("/proc").into_iter().flatten().flatten().filter_map(|entry| child(&entry.path())).collect()
 }

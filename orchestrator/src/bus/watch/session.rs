@@ -14,7 +14,7 @@ pub const ANY_LOCAL_PORT: &str = "tcp/127.0.0.1:0";
 /// client may subscribe to more than `lockstep/**`; hence `**` for ingress, while egress is limited to `lockstep/**`.
 ///
 /// The limits of `transport` keep clients from using up memory and descriptors: a message is put together before the rules
-/// act on it, and a connection takes a descriptor before its client has said anything.
+/// act on it, and a connection takes a descriptor before its client has sent anything.
 const SETTINGS: &str = r#"{
     mode: "peer",
     connect: { endpoints: [] },

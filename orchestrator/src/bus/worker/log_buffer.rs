@@ -33,18 +33,10 @@ impl LogBuffer {
         Arc::new(Self { board, moved: Mutex::default() })
     }
 
-    /// Adds a log message or a logged call; of a log message that is longer than the board holds, the end is cut off. A unit may log from any thread; the lock keeps two of them from seeing the same
+    /// Adds a log message or a logged call. A unit may log from any thread; the lock keeps two of them from seeing the same
     /// room on the board.
     pub fn push(&self, message: &Message) {
-        let Ok(mut bytes) = postcard::to_stdvec(message) else { return };
-        if let Message::Log(log) = message
-            && bytes.len() > Board::LONGEST_MESSAGE
-        {
-            let mut log = log.clone();
-            log.shorten_to(Board::LONGEST_MESSAGE / 4);
-            let Ok(short) = postcard::to_stdvec(&Message::Log(log)) else { return };
-            bytes = short;
-        }
+        let Ok(bytes) = postcard::to_stdvec(message) else { return };
         let mut moved = self.moved.lock().unwrap_or_else(PoisonError::into_inner);
         if !self.board.has_room_for(&bytes) {
             moved.move_from(&self.board);
@@ -109,14 +101,6 @@ mod tests {
         expected.iter().for_each(|text| log_buffer.push(&log(text.clone())));
         assert!(texts(log_buffer.take()) == expected);
         assert_eq!(log_buffer.take(), []);
-    }
-
-    #[test]
-    fn the_end_of_a_log_message_that_the_board_does_not_hold_is_cut_off_with_a_note() {
-        let log_buffer = log_buffer();
-        log_buffer.push(&log("é".repeat(Board::LONGEST_MESSAGE)));
-        let texts = texts(log_buffer.take());
-        assert!(texts[0].starts_with("ééé") && texts[0].ends_with(" … (cut here)"), "{}", texts[0].len());
     }
 
     #[test]

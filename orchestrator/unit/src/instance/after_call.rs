@@ -11,19 +11,19 @@ use std::fmt::Display;
 
 /// Reports what a unit does wrong although its calls succeed, each kind once.
 pub(super) struct Warnings {
-    pub index: usize,
-    pub sink: LogSink,
+    index: usize,
+    sink: LogSink,
     /// Whether a call has returned `fmi2Warning`.
-    pub status: bool,
+    status: bool,
     /// The changes of its process that were reported.
-    pub changes: Changes,
+    changes: Changes,
     /// A change that was found after a step and is not reported yet.
-    pub unnamed: Option<Unnamed>,
+    unnamed: Option<Unnamed>,
 }
 
 /// A change by a step or by a call that set values for it; the next call that changes something names it.
 #[derive(Debug)]
-pub(super) struct Unnamed {
+struct Unnamed {
     tick: u64,
     counts_at: u64,
     changes: Changes,
@@ -49,7 +49,7 @@ impl Warnings {
     /// A call returned a warning: the reason is in the unit's own log messages, if any.
     pub fn status(&mut self, now: &Now<'_>, call: Call) {
         if !std::mem::replace(&mut self.status, true) {
-            let text = format!("{} returned fmi2Warning (told once; the run goes on)", call.name());
+            let text = format!("{} returned fmi2Warning (reported once; the run goes on)", call.name());
             self.warn((now.tick, now.counts_at), text);
         }
     }
@@ -68,12 +68,12 @@ impl Warnings {
 
     fn changed_at(&mut self, when: (u64, u64), by: impl Display, changes: Changes) {
         let mut changes = changes.without(self.changes);
-        if self.told_floating_point() {
+        if self.reported_floating_point() {
             changes = changes.without(Changes::FLOATING_POINT);
         }
         if changes != Changes::NONE {
             self.changes |= changes;
-            self.warn(when, format!("{by} changed {changes} of its process: restored (told once)"));
+            self.warn(when, format!("{by} changed {changes} of its process: restored (reported once)"));
         }
     }
 
@@ -85,7 +85,7 @@ impl Warnings {
     }
 
     /// Whether a change of floating-point control was reported.
-    pub fn told_floating_point(&self) -> bool {
+    pub fn reported_floating_point(&self) -> bool {
         self.changes.meets(Changes::FLOATING_POINT)
     }
 
@@ -122,8 +122,8 @@ impl Instance {
 
     /// Whether a change of floating-point control by this instance was reported.
     #[must_use]
-    pub fn told_floating_point(&self) -> bool {
-        self.rest.warnings.told_floating_point()
+    pub fn reported_floating_point(&self) -> bool {
+        self.rest.warnings.reported_floating_point()
     }
 
     /// Reports a change of floating-point control while outputs of this instance and of later ones were read.

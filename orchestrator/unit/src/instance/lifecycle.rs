@@ -157,7 +157,7 @@ impl Instance {
             let text = "its library lacks this function, which the standard demands";
             return Err(self.failure(now, Call::Reset, Cause::Other(text.to_owned())));
         };
-        self.checked(now, Call::Reset, |_, component| {
+        self.preserving(now, Call::Reset, |_, component| {
             // SAFETY: the component is this library's.
             unsafe { reset(component) }
         })

@@ -51,10 +51,13 @@ impl Instance {
     ///
     /// # Errors
     /// The unit refuses or lacks a function.
-    pub fn forget(&mut self, now: &Now<'_>, kept: KeptState) -> Result<(), Failure> {
+    pub fn forget(&mut self, now: &Now<'_>, mut kept: KeptState) -> Result<(), Failure> {
         assert_eq!(kept.of, self.component, "a state returns to its own instance");
         let functions = self.state_functions(now)?;
-        self.free_state(now, functions, kept.state)
+        self.checked(now, Call::FreeFmuState, |_, component| {
+            // SAFETY: the state is this instance's, and it is not used after this call.
+            unsafe { (functions.free)(component, &raw mut kept.state) }
+        })
     }
 
     /// The present state, serialized by the unit.
@@ -102,18 +105,9 @@ impl Instance {
             // SAFETY: the unit reads at most the given number of bytes, and writes the handle.
             unsafe { (functions.deserialize)(component, bytes.as_ptr().cast(), bytes.len(), &raw mut state) }
         })?;
-        self.checked(now, Call::SetFmuState, |_, component| {
-            // SAFETY: the state is this instance's.
-            unsafe { (functions.set)(component, state) }
-        })?;
-        self.free_state(now, functions, state)
-    }
-
-    fn free_state(&mut self, now: &Now<'_>, functions: StateFunctions, mut state: FmuState) -> Result<(), Failure> {
-        self.checked(now, Call::FreeFmuState, |_, component| {
-            // SAFETY: the state is this instance's, and it is not used after this call.
-            unsafe { (functions.free)(component, &raw mut state) }
-        })
+        let kept = KeptState { state, of: self.component };
+        self.return_to(now, &kept)?;
+        self.forget(now, kept)
     }
 
     fn state_functions(&self, now: &Now<'_>) -> Result<StateFunctions, Failure> {

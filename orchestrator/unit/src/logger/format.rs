@@ -77,8 +77,9 @@ fn refused_because(format: &[u8], mut read: impl FnMut(Argument) -> c_int) -> Op
     None
 }
 
-/// Formats a message. `read` returns the next argument, of which only integers are used, and `print` is called like `vsnprintf` with a buffer and its length: once, or twice if the
-/// first buffer is too short. If the format is refused or `print` fails, the result is the format itself.
+/// Formats a message. `read` returns the next argument, of which only integers are used, and `print` is called like
+/// `vsnprintf` with a buffer and its length: once, or twice if the first buffer is too short. If the format is refused or
+/// `print` fails, the result is the format itself.
 pub fn fill(
     format: &CStr,
     read: impl FnMut(Argument) -> c_int,

@@ -87,14 +87,17 @@ fn long_messages_arrive_complete_and_very_long_ones_are_cut() {
 }
 
 #[test]
-fn a_message_with_a_very_long_category_fits_on_the_board() {
+fn very_long_messages_fit_on_the_board() {
     let captured = capture("category");
     let very_long = CString::new("\u{e9}".repeat(2 << 20)).unwrap();
     // SAFETY: the format reads no arguments.
     unsafe { LOGGER(captured.registration.handle(), c"unit".as_ptr(), 0, very_long.as_ptr(), very_long.as_ptr()) };
     let message = captured.messages.lock().unwrap().pop().unwrap();
     assert!(message.category.ends_with(CUT) && message.text.ends_with(CUT), "{}", message.category.len());
-    assert!(postcard::to_stdvec(&message).unwrap().len() <= Board::LONGEST_MESSAGE);
+    let warning = LogMessage::warning(0, (0, 0), very_long.into_string().unwrap());
+    for message in [message, warning] {
+        assert!(postcard::to_stdvec(&message).unwrap().len() <= Board::LONGEST_MESSAGE);
+    }
 }
 
 #[test]

@@ -78,6 +78,7 @@ pub(crate) fn preserved<T>(foreign: impl FnOnce() -> T) -> (T, Changes) {
     (result, restored_floating_point() | before.restore())
 }
 
+#[cfg(target_arch = "x86_64")]
 #[test]
 fn what_foreign_code_changes_is_restored_and_named() {
     assert_eq!(preserved(|| 7), (7, Changes::NONE));
