@@ -8,6 +8,16 @@ use std::process::Command;
 use tempfile::TempDir;
 use zip::write::SimpleFileOptions;
 
+/// The folder of this platform below `binaries/`.
+pub const PLATFORM: &str = if cfg!(target_arch = "x86_64") { "linux64" } else { "aarch64-linux" };
+
+/// One Real output, `y`, of value reference 0.
+pub const OUTPUT: &str =
+    "<ScalarVariable name=\"y\" valueReference=\"0\" causality=\"output\"><Real/></ScalarVariable>";
+
+/// The capabilities of a unit that saves its state.
+pub const STATES: &str = "canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"";
+
 /// The replacement in the description of a unit that declares that it saves its state.
 pub const CLAIMS_STATES: (&str, &str) = (
     "canHandleVariableCommunicationStepSize=\"true\"",
@@ -27,8 +37,7 @@ pub struct Foreign<'a> {
 
 impl Default for Foreign<'_> {
     fn default() -> Self {
-        let platform = if cfg!(target_arch = "x86_64") { "linux64" } else { "aarch64-linux" };
-        Self { defines: &[], platform, description: &[] }
+        Self { defines: &[], platform: PLATFORM, description: &[] }
     }
 }
 
@@ -74,6 +83,17 @@ pub struct Generic<'a> {
 
 #[allow(clippy::unwrap_used, reason = "a test that cannot build its unit has failed")]
 impl Generic<'_> {
+    /// Writes `<name>.fmu` into a folder of its own, which is removed when the returned `TempDir` is dropped.
+    ///
+    /// # Panics
+    /// If the compiler is missing or fails.
+    #[must_use]
+    pub fn build(&self, name: &str) -> TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        self.pack(folder.path(), name);
+        folder
+    }
+
     /// Writes `<name>.fmu` into the folder.
     ///
     /// # Panics
@@ -83,7 +103,7 @@ impl Generic<'_> {
         let defines: Vec<_> = self.code.iter().map(|(macro_name, code)| format!("-D{macro_name}={code}")).collect();
         let library = compile("generic.c", &defines, self.beside, scratch.path());
         let fmu = folder.join(format!("{name}.fmu"));
-        let entry = |file: &str| format!("binaries/{}/{file}", Foreign::default().platform);
+        let entry = |file: &str| format!("binaries/{PLATFORM}/{file}");
         let beside = self.beside.map(|path| (entry(&path.file_name().unwrap().to_string_lossy()), path));
         let libraries: Vec<_> = beside.into_iter().chain([(entry(&format!("{name}.so")), library.as_path())]).collect();
         archive(&fmu, &self.description(name), &libraries);

@@ -3,6 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
+/// The options of a run with all instances in one process, and with each in its own process.
+pub const PLACEMENTS: [&[&str]; 2] = [&[], &["--isolate"]];
+
 /// The repository's folder.
 #[must_use]
 pub fn repository() -> PathBuf {
@@ -20,6 +23,20 @@ pub fn lockstep() -> PathBuf {
     let found = binary.filter(|path| path.is_file());
     assert!(found.is_some(), "lockstep is not built: cargo build --release");
     found.unwrap_or_default()
+}
+
+/// The names in a folder, sorted.
+///
+/// # Panics
+/// If the folder cannot be read.
+#[must_use]
+pub fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder);
+    assert!(entries.is_ok(), "{}: {entries:?}", folder.display());
+    let mut names: Vec<_> =
+        entries.into_iter().flatten().flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
 }
 
 /// Exit code and output of a program.

@@ -4,7 +4,7 @@
 use std::fs;
 use tempfile::TempDir;
 use tests::foreign::{CLAIMS_STATES, Foreign};
-use tests::program::{Said, run};
+use tests::program::{PLACEMENTS, Said, run};
 
 const SCRIPT: &str = "scenario \"A unit follows the time\"\nstep 100 ms\nstop 200 ms\n\
                       fmu probe = \"foreign.fmu\" { label = \"from A to B\" }\n\
@@ -63,7 +63,7 @@ fn text(folder: &TempDir, file: &str) -> String {
 
 #[test]
 fn every_call_is_logged_with_time_arguments_and_status_in_every_placement() {
-    for placement in [&[][..], &["--isolate"]] {
+    for placement in PLACEMENTS {
         let (folder, said) = logged(&[], &[&["--log-fmi-calls", "probe"], placement].concat());
         assert_eq!(said.code, Some(0), "{}", said.err);
         assert_eq!(text(&folder, "fmi-calls.probe.log"), CALLS, "{placement:?}");

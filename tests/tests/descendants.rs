@@ -6,22 +6,19 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
 use tests::flight::{Flight, is_alive, signal, until};
-use tests::foreign::Generic;
-use tests::program::{command, lockstep};
+use tests::foreign::{Generic, OUTPUT};
+use tests::program::{PLACEMENTS, command, lockstep};
 
 const SCRIPT: &str = "scenario \"A unit starts programs\"\nstep 100 ms\nstop 1 s\nfmu a = \"a.fmu\"\nrecord a.y\n";
-const PLACEMENTS: [&[&str]; 2] = [&[], &["--isolate"]];
 /// Starts programs that run for hours: one in the group of the process, one in a session of its own whose parent ends at
-/// once, and one by a fork that keeps all files open. `ids` has their ids.
+/// once, and one by a fork that keeps all files open. `ids` has the ids of the first two.
 const STARTS: &str = r#"system("sleep 7777 & echo $! >> ids"); system("setsid sh -c 'sleep 7777 & echo $! >> ids'");
     if (!fork()) { setsid(); if (!fork()) { for (;;) pause(); } _exit(0); }"#;
 
 /// A folder with a script and a unit that starts programs when it is instantiated.
 fn folder_with_unit(step: &str) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let variables = r#"<ScalarVariable name="y" valueReference="0" causality="output"><Real/></ScalarVariable>"#;
     let code = [("INSTANTIATE_CODE", STARTS), ("STEP_CODE", step)];
-    Generic { variables, code: &code, ..Generic::default() }.pack(folder.path(), "a");
+    let folder = Generic { variables: OUTPUT, code: &code, ..Generic::default() }.build("a");
     fs::write(folder.path().join("a.scn"), SCRIPT).unwrap();
     folder
 }
@@ -93,9 +90,8 @@ fn those_in_the_group_of_the_unit_end_with_a_run_that_is_killed() {
 fn a_unit_that_starts_a_program_in_each_step_leaves_no_zombies() {
     let step = "if (!fork()) { if (!fork()) _exit(0); _exit(0); } while (wait(0) > 0); usleep(20000);";
     let step = format!("int wait(int *); {step}");
-    let folder = tempfile::tempdir().unwrap();
-    let variables = r#"<ScalarVariable name="y" valueReference="0" causality="output"><Real/></ScalarVariable>"#;
-    Generic { variables, code: &[("STEP_CODE", &step)], ..Generic::default() }.pack(folder.path(), "a");
+    let unit = Generic { variables: OUTPUT, code: &[("STEP_CODE", &step)], ..Generic::default() };
+    let folder = unit.build("a");
     fs::write(folder.path().join("a.scn"), SCRIPT.replace("stop 1 s", "stop 1000 s")).unwrap();
     let program = Flight::start(folder.path(), &["run", "a.scn"]);
     let trace = folder.path().join("runs/a/trace.csv.partial");

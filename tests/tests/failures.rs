@@ -3,14 +3,11 @@
 
 use std::path::Path;
 use tests::foreign::Foreign;
-use tests::program::{Said, run};
+use tests::program::{PLACEMENTS, Said, run};
 
 const SCRIPT: &str = "scenario \"A unit misbehaves\"\nstep 100 ms\nstop 1 s\n\
                       fmu rogue = \"foreign.fmu\" { enabled = false }\n\
                       time -> rogue.u\nassert small: always rogue.y < 100\n";
-
-/// All instances in one process, and each in its own process.
-const PLACEMENTS: [&[&str]; 2] = [&[], &["--isolate"]];
 
 /// Runs a unit that misbehaves in `call` as given by `how`; in calls during the run, from half a second on.
 fn misbehaving(call: &str, how: &str, placement: &[&str]) -> (tempfile::TempDir, Said) {

@@ -1,4 +1,4 @@
-//! The private folder of a run: nobody else can enter it, and none is left over.
+//! The private folder of a run: no other user can enter it, and none is left over.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::fs;
@@ -7,17 +7,15 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use tempfile::TempDir;
 use tests::flight::{Flight, signal, until};
-use tests::foreign::Generic;
-use tests::program::{command, lockstep, run};
+use tests::foreign::{Generic, OUTPUT};
+use tests::program::{PLACEMENTS, command, lockstep, names, run};
 
 const SLOW: &str = "scenario \"A unit works for days\"\nstep 1 s\nstop 100000 s\nfmu a = \"a.fmu\"\nrecord a.y\n";
 
 /// A folder with a unit, a script that takes days and one that takes a moment.
 fn folder_with_unit() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let variables = r#"<ScalarVariable name="y" valueReference="0" causality="output"><Real/></ScalarVariable>"#;
     let code = [("STEP_CODE", "usleep(20000);")];
-    Generic { variables, code: &code, ..Generic::default() }.pack(folder.path(), "a");
+    let folder = Generic { variables: OUTPUT, code: &code, ..Generic::default() }.build("a");
     fs::write(folder.path().join("slow.scn"), SLOW).unwrap();
     fs::write(folder.path().join("quick.scn"), SLOW.replace("100000 s", "2 s")).unwrap();
     folder
@@ -39,9 +37,9 @@ fn is_root(home: &Path) -> bool {
     fs::metadata(home).unwrap().uid() == 0
 }
 
-/// Tries as another user to list a folder, to connect to the socket of a worker and to replace a unit.
+/// Tries as another user to list a folder, to reach the socket of a worker and to replace a unit; returns what was possible.
 fn attempt_of_another_user(home: &Path) -> String {
-    let attempts = "ls \"$1\" && echo listed; mv \"$1/unit0\" \"$1/stolen\" && echo moved; \
+    let attempts = "echo tried; ls \"$1\" && echo listed; mv \"$1/unit0\" \"$1/stolen\" && echo moved; \
                     cp /bin/true \"$1/unit0/binaries\" && echo replaced; test -S \"$1/0.sock\" && echo reached; true";
     let mut other = Command::new("setpriv");
     other.args(["--reuid=65534", "--regid=65534", "--clear-groups", "sh", "-c", attempts, "sh"]).arg(home);
@@ -63,7 +61,7 @@ fn no_other_user_can_enter_the_private_folder_whatever_the_umask() {
             for above in home.ancestors().skip(1).take_while(|above| above.starts_with(std::env::temp_dir())) {
                 fs::set_permissions(above, fs::Permissions::from_mode(0o1777)).unwrap();
             }
-            assert_eq!(attempt_of_another_user(&home), "", "umask {umask} {placement}");
+            assert_eq!(attempt_of_another_user(&home), "tried\n", "umask {umask} {placement}");
         }
     }
 }
@@ -86,12 +84,6 @@ fn a_run_removes_what_a_killed_one_has_left_and_nothing_else() {
     let folder = folder_with_unit();
     let temporary = folder.path().join("tmp");
     fs::create_dir(&temporary).unwrap();
-    let left = |temporary: &Path| {
-        let names = fs::read_dir(temporary).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-        let mut names: Vec<_> = names.collect();
-        names.sort();
-        names
-    };
     let killed = temporary.join("lockstep-killed");
     fs::create_dir_all(killed.join("unit0")).unwrap();
     fs::write(killed.join("lockstep.lock"), "").unwrap();
@@ -99,19 +91,21 @@ fn a_run_removes_what_a_killed_one_has_left_and_nothing_else() {
     fs::create_dir_all(temporary.join("lockstep-notes/unit0")).unwrap();
     std::os::unix::fs::symlink(folder.path(), temporary.join("lockstep-link")).unwrap();
     fs::write(folder.path().join("lockstep.lock"), "").unwrap();
-    let mut other = command(folder.path(), &["run", "slow.scn", "--out", "other"]);
-    let mut other = other.env("TMPDIR", &temporary).spawn().unwrap();
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "export TMPDIR=\"$PWD/tmp\"; exec \"$0\" run slow.scn --out other"]).arg(lockstep());
+    shell.current_dir(folder.path());
+    let mut other = Flight::of(shell);
     until("the private folder of another run", || {
         folder.path().join("other/trace.csv.partial").is_file() && !killed.exists()
     });
-    let of_other = left(&temporary);
+    let of_other = names(&temporary);
     assert_eq!(of_other.len(), 3, "{of_other:?}");
     let said = command(folder.path(), &["run", "quick.scn"]).env("TMPDIR", &temporary).output().unwrap();
     assert!(said.status.success(), "{said:?}");
-    assert_eq!(left(&temporary), of_other, "the other run has its folder");
+    assert_eq!(names(&temporary), of_other, "the other run has its folder");
     signal("TERM", other.id());
-    assert_eq!(other.wait().unwrap().code(), Some(130));
-    assert_eq!(left(&temporary), ["lockstep-link", "lockstep-notes"]);
+    assert_eq!(other.end().code, Some(130));
+    assert_eq!(names(&temporary), ["lockstep-link", "lockstep-notes"]);
     assert!(folder.path().join("a.fmu").is_file());
 }
 
@@ -119,7 +113,7 @@ fn a_run_removes_what_a_killed_one_has_left_and_nothing_else() {
 fn a_relative_folder_for_temporary_files_serves_both_placements() {
     let folder = folder_with_unit();
     fs::create_dir(folder.path().join("tmp")).unwrap();
-    for placement in [&[][..], &["--isolate"]] {
+    for placement in PLACEMENTS {
         let arguments = [&["run", "quick.scn"], placement].concat();
         let said = command(folder.path(), &arguments).env("TMPDIR", "tmp").output().unwrap();
         assert!(said.status.success(), "{said:?}");

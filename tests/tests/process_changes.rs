@@ -7,8 +7,8 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::LazyLock;
 use tempfile::TempDir;
-use tests::foreign::Generic;
-use tests::program::{Said, run};
+use tests::foreign::{Generic, PLATFORM};
+use tests::program::{PLACEMENTS, Said, run};
 
 /// A unit of one input (reference 0) and two outputs (1 and 2).
 const VARIABLES: &str = "<ScalarVariable name=\"u\" valueReference=\"0\" causality=\"input\"><Real start=\"0\"/></ScalarVariable>\
@@ -18,6 +18,19 @@ const VARIABLES: &str = "<ScalarVariable name=\"u\" valueReference=\"0\" causali
 /// Two units, of which the first does what it should not, and an expression that Lockstep computes.
 const SCRIPT: &str = "scenario \"Two units\"\nstep 100 ms\nstop 600 ms\nfmu a = \"a.fmu\"\nfmu b = \"b.fmu\"\n\
     0.1 * time / (1 s) -> a.u\n0.1 * 3 + 0.1 * time / (1 s) -> b.u\nrecord a.y, b.u, b.y, b.z\n";
+
+/// The macros of `generic.c` with code for a call, and the calls; those up to the end of the initialization come first.
+const CALLS: [(&str, &str); 9] = [
+    ("INSTANTIATE_CODE", "fmi2Instantiate"),
+    ("SETUP_CODE", "fmi2SetupExperiment"),
+    ("ENTER_CODE", "fmi2EnterInitializationMode"),
+    ("EXIT_CODE", "fmi2ExitInitializationMode"),
+    ("SET_CODE", "fmi2SetReal"),
+    ("STEP_CODE", "fmi2DoStep"),
+    ("GET_CODE", "fmi2GetReal"),
+    ("TERMINATE_CODE", "fmi2Terminate"),
+    ("FREE_CODE", "fmi2FreeInstance"),
+];
 
 /// `b` computes a number that is smaller than any normal one, and one that has to be rounded, in each of its calls.
 const SENSITIVE: &str = "volatile double small = 1e-308, tenth = 0.1; R[1] = small / 16; R[2] = tenth * 3;";
@@ -80,16 +93,7 @@ fn pack_with_headers(folder: &Path, code: &[(&str, String)]) {
 #[test]
 #[cfg(target_arch = "x86_64")]
 fn floating_point_control_is_restored_after_each_call_and_one_warning_names_the_call() {
-    for (place, call) in [
-        ("INSTANTIATE_CODE", "fmi2Instantiate"),
-        ("SETUP_CODE", "fmi2SetupExperiment"),
-        ("ENTER_CODE", "fmi2EnterInitializationMode"),
-        ("EXIT_CODE", "fmi2ExitInitializationMode"),
-        ("GET_CODE", "fmi2GetReal"),
-        ("SET_CODE", "fmi2SetReal"),
-        ("STEP_CODE", "fmi2DoStep"),
-        ("TERMINATE_CODE", "fmi2Terminate"),
-    ] {
+    for (place, call) in CALLS.into_iter().filter(|(place, _)| *place != "FREE_CODE") {
         for from_step in [0, 3] {
             if from_step > 0 && !["GET_CODE", "SET_CODE", "STEP_CODE"].contains(&place) {
                 continue;
@@ -126,13 +130,7 @@ fn a_change_that_happens_once_is_reported_too() {
 #[test]
 fn locale_and_working_directory_are_restored_after_loading_and_initialization() {
     let disturb = "if (chdir(\"/\")) abort(); setlocale(LC_ALL, \"C.UTF-8\");";
-    for (place, call) in [
-        ("INSTANTIATE_CODE", "fmi2Instantiate"),
-        ("SETUP_CODE", "fmi2SetupExperiment"),
-        ("ENTER_CODE", "fmi2EnterInitializationMode"),
-        ("EXIT_CODE", "fmi2ExitInitializationMode"),
-        ("LOADING", "the loading of its library"),
-    ] {
+    for (place, call) in CALLS[..4].iter().copied().chain([("LOADING", "the loading of its library")]) {
         let folder = tempfile::tempdir().unwrap();
         let looks = "if (strcmp(setlocale(LC_ALL, NULL), \"C\")) SAY(1, \"another locale\");";
         let report = "char here[1000]; if (!strcmp(getcwd(here, 1000), \"/\")) SAY(1, \"another folder\");";
@@ -181,7 +179,7 @@ fn a_library_that_a_unit_gets_from_another_unit_is_named_with_both_files() {
             (run(folder.path(), &["run", "two.scn"]), run(folder.path(), &["run", "two.scn", "--isolate"]));
         assert_eq!((together.code, isolated.code), (Some(0), Some(0)), "{}{}", together.err, isolated.err);
         assert_eq!((warnings(&together).len(), warnings(&isolated).len()), (conflicts, 0), "{}", together.err);
-        let place = format!("binaries/{}/libshared.so", tests::foreign::Foreign::default().platform);
+        let place = format!("binaries/{PLATFORM}/libshared.so");
         let expected = format!("b  warning  it uses {place} of unit `a.fmu` instead of {place} of unit `b.fmu`: ");
         let named = warnings(&together).iter().all(|line| line.contains(&expected) && line.contains("--isolate"));
         assert!(named, "{}", together.err);
@@ -190,18 +188,11 @@ fn a_library_that_a_unit_gets_from_another_unit_is_named_with_both_files() {
 
 #[test]
 fn a_unit_that_copies_its_process_and_returns_twice_is_named_and_ends_the_run() {
-    for (place, call) in [
-        ("INSTANTIATE_CODE", "fmi2Instantiate"),
-        ("EXIT_CODE", "fmi2ExitInitializationMode"),
-        ("SET_CODE", "fmi2SetReal"),
-        ("STEP_CODE", "fmi2DoStep"),
-        ("GET_CODE", "fmi2GetReal"),
-        ("TERMINATE_CODE", "fmi2Terminate"),
-    ] {
+    for (place, call) in CALLS.into_iter().filter(|(place, _)| *place != "FREE_CODE") {
         let folder = tempfile::tempdir().unwrap();
         pack_with_headers(folder.path(), &[(place, "static int done; if (!done++) fork();".to_owned())]);
         let time = if place == "TERMINATE_CODE" { "0.6" } else { "0" };
-        for placement in [&[][..], &["--isolate"]] {
+        for placement in PLACEMENTS {
             let said = run(folder.path(), &[&["run", "two.scn"], placement].concat());
             let expected = format!("error: `a` copied its process (fork), and both returned from {call} at {time} s\n");
             assert!(said.code == Some(3) && said.err.contains(&expected), "{call} {placement:?}: {}", said.err);
@@ -212,20 +203,12 @@ fn a_unit_that_copies_its_process_and_returns_twice_is_named_and_ends_the_run() 
 #[test]
 fn an_exception_or_the_end_of_the_thread_in_any_call_is_named() {
     let raise = "static struct _Unwind_Exception exception; _Unwind_RaiseException(&exception); abort();";
-    for (place, call) in [
-        ("INSTANTIATE_CODE", "fmi2Instantiate"),
-        ("EXIT_CODE", "fmi2ExitInitializationMode"),
-        ("SET_CODE", "fmi2SetReal"),
-        ("STEP_CODE", "fmi2DoStep"),
-        ("GET_CODE", "fmi2GetReal"),
-        ("TERMINATE_CODE", "fmi2Terminate"),
-        ("FREE_CODE", "fmi2FreeInstance"),
-    ] {
+    for (place, call) in CALLS {
         let of_thread = (place == "STEP_CODE").then_some("pthread_exit(0);");
         for code in [raise].into_iter().chain(of_thread) {
             let folder = tempfile::tempdir().unwrap();
             pack_with_headers(folder.path(), &[(place, code.to_owned())]);
-            for placement in [&[][..], &["--isolate"]] {
+            for placement in PLACEMENTS {
                 let said = run(folder.path(), &[&["run", "two.scn"], placement].concat());
                 let expected = format!("error: `a` died of signal 6 (SIGABRT) in {call}");
                 assert!(said.code == Some(3) && said.err.contains(&expected), "{call} {placement:?}: {}", said.err);

@@ -3,10 +3,7 @@
 
 use std::path::Path;
 use tests::foreign::Generic;
-use tests::program::{Said, run};
-
-/// All instances in one process, and each in its own process.
-const PLACEMENTS: [&[&str]; 2] = [&[], &["--isolate"]];
+use tests::program::{PLACEMENTS, Said, run};
 
 const TEMPERATURES: &str = r#"<UnitDefinitions>
     <Unit name="K"><BaseUnit K="1"/></Unit> <Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>
@@ -207,10 +204,10 @@ fn a_value_that_comes_during_the_run_is_warned_of_once() {
         assert_eq!((said.code, last_row(folder.path()).as_str()), (Some(0), "4,6,2,48"), "{}", said.err);
         let warnings: Vec<_> = said.err.lines().filter(|line| line.contains("description says")).collect();
         let expected = [
-            "0 s  c  warning  `c.u` gets -5, and its description says min -1 and max 3 (said once)",
-            "1 s  b  warning  `b.mode` gets 2, and its description says the items 1, -3 (said once)",
-            "1 s  c  warning  `c.part` gets 16, and its description says min 0 and max 10 (said once)",
-            "2 s  b  warning  `b.u` gets 4, and its description says min -1 and max 3 (said once)",
+            "0 s  c  warning  `c.u` gets -5, and its description says min -1 and max 3 (reported once)",
+            "1 s  b  warning  `b.mode` gets 2, and its description says the items 1, -3 (reported once)",
+            "1 s  c  warning  `c.part` gets 16, and its description says min 0 and max 10 (reported once)",
+            "2 s  b  warning  `b.u` gets 4, and its description says min -1 and max 3 (reported once)",
         ];
         assert_eq!(warnings, expected, "{}", said.err);
     }

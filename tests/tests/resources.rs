@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 use tempfile::TempDir;
 use tests::flight::Flight;
-use tests::foreign::Generic;
+use tests::foreign::{Generic, OUTPUT};
 use tests::program::{Said, command, lockstep};
 
 const SCRIPT: &str =
@@ -14,9 +14,7 @@ const SCRIPT: &str =
 
 /// A folder with a unit and a script.
 fn folder_with_unit() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let variables = r#"<ScalarVariable name="y" valueReference="0" causality="output"><Real/></ScalarVariable>"#;
-    Generic { variables, ..Generic::default() }.pack(folder.path(), "a");
+    let folder = Generic { variables: OUTPUT, ..Generic::default() }.build("a");
     fs::write(folder.path().join("a.scn"), SCRIPT).unwrap();
     folder
 }

@@ -7,7 +7,7 @@ use std::io::Write as _;
 use std::path::Path;
 use tempfile::TempDir;
 use tests::foreign::{Foreign, Generic};
-use tests::program::{Said, repository, run};
+use tests::program::{PLACEMENTS, Said, repository, run};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -241,7 +241,7 @@ fn a_text_reaches_its_unit_with_quotes_and_line_breaks() {
     unit.pack(folder.path(), "probe");
     let text = r#"fmu probe = "probe.fmu" { text = "say \"hi\"\nC:\\d" }"#;
     fs::write(folder.path().join("a.scn"), format!("{HEAD}{text}\nrecord probe.'der(y)'\n")).unwrap();
-    for placement in [&[][..], &["--isolate"]] {
+    for placement in PLACEMENTS {
         let said = run(folder.path(), &[&["run", "a.scn", "--log-fmi-calls", "probe"], placement].concat());
         assert_eq!(said.code, Some(0), "{}", said.err);
         let calls = fs::read_to_string(folder.path().join("runs/a/fmi-calls.probe.log")).unwrap();

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 use tests::foreign::Generic;
-use tests::program::{Said, run};
+use tests::program::{PLACEMENTS, Said, run};
 
 const VARIABLES: &str = r#"
   <ScalarVariable name="u" valueReference="2" causality="input"><Real start="0"/></ScalarVariable>
@@ -16,11 +16,9 @@ const CODE: [(&str, &str); 2] = [("SETUP_CODE", "R[0] = R[1] = START;"), ("STEP_
 
 /// The unit `late.fmu`, whose experiment lasts from 20 s to 30 s, in a folder of its own.
 fn late(capabilities: &str) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
     let unit =
         Generic { variables: VARIABLES, experiment: EXPERIMENT, capabilities, code: &CODE, ..Generic::default() };
-    unit.pack(folder.path(), "late");
-    folder
+    unit.build("late")
 }
 
 fn simulate(folder: &Path, options: &[&str]) -> (Said, Vec<String>) {
@@ -68,10 +66,9 @@ fn inputs_over_time_are_those_of_the_time_at_which_the_run_begins() {
 
 #[test]
 fn a_unit_that_fails_at_its_start_is_reported_with_its_time() {
-    let folder = tempfile::tempdir().unwrap();
     let code = [("ENTER_CODE", "status = ERROR;")];
     let unit = Generic { variables: VARIABLES, experiment: EXPERIMENT, code: &code, ..Generic::default() };
-    unit.pack(folder.path(), "late");
+    let folder = unit.build("late");
     let (said, _) = simulate(folder.path(), &[]);
     assert_eq!(said.code, Some(3));
     assert!(said.err.contains("fmi2EnterInitializationMode returned fmi2Error at 20 s"), "{}", said.err);
@@ -86,7 +83,7 @@ fn run_and_check_warn_of_an_experiment_that_begins_elsewhere() {
     let warning = "the DefaultExperiment of unit `late.fmu` begins at 20 s, the run of a script at 0 s";
     let checked = run(folder.path(), &["check", "s.scn"]);
     assert_eq!((checked.code, checked.out.matches(warning).count()), (Some(0), 1), "{}", checked.out);
-    for placement in [&[][..], &["--isolate"]] {
+    for placement in PLACEMENTS {
         let said = run(folder.path(), &[&["run", "s.scn"], placement].concat());
         assert_eq!((said.code, said.err.matches(warning).count()), (Some(0), 1), "{}", said.err);
         let trace = fs::read_to_string(folder.path().join("runs/s/trace.csv")).unwrap();

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 use tests::foreign::Generic;
-use tests::program::{Said, run};
+use tests::program::{PLACEMENTS, Said, run};
 
 /// An input, a tunable parameter and a fixed one, and their sum.
 const VARIABLES: &str = r#"
@@ -18,14 +18,11 @@ const UNITS: &str = r#"<UnitDefinitions><Unit name="kg"><BaseUnit kg="1"/></Unit
 const SUM: (&str, &str) = ("GET_CODE", "R[3] = R[0] + R[1] + R[2] + 1000 * I[0];");
 /// The library starts as the description says.
 const AGREES: &str = "R[0] = 2.5; R[1] = 20; R[2] = 100; I[0] = 3;";
-const PLACEMENTS: [&[&str]; 2] = [&[], &["--isolate"]];
 
 /// The unit `a.fmu` in a folder of its own.
 fn unit(variables: &str, code: &[(&str, &str)]) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
     let code = [&[SUM], code].concat();
-    Generic { definitions: UNITS, variables, code: &code, ..Generic::default() }.pack(folder.path(), "a");
-    folder
+    Generic { definitions: UNITS, variables, code: &code, ..Generic::default() }.build("a")
 }
 
 /// Runs the unit with these braces and further lines; returns the column `a.sum` besides what the program said.
@@ -120,12 +117,11 @@ fn a_connected_input_is_not_compared_with_its_start_value() {
 
 #[test]
 fn a_unit_that_cannot_be_read_in_initialization_mode_runs_with_a_warning() {
-    for status in ["2", "3"] {
+    for status in ["DISCARD", "ERROR"] {
         let get = format!("R[3] = R[0]; if (MODE == 1) status = {status};");
         let code = [("INSTANTIATE_CODE", AGREES), ("GET_CODE", &get)];
-        let folder = tempfile::tempdir().unwrap();
-        Generic { definitions: UNITS, variables: VARIABLES, code: &code, ..Generic::default() }
-            .pack(folder.path(), "a");
+        let unit = Generic { definitions: UNITS, variables: VARIABLES, code: &code, ..Generic::default() };
+        let folder = unit.build("a");
         for placement in PLACEMENTS {
             let (said, sums) = sums(folder.path(), "", "", placement);
             assert_eq!(sums, [2.5; 5]);
@@ -137,10 +133,9 @@ fn a_unit_that_cannot_be_read_in_initialization_mode_runs_with_a_warning() {
 
 #[test]
 fn a_fatal_read_of_start_values_ends_the_run() {
-    let folder = tempfile::tempdir().unwrap();
+    let code = [("GET_CODE", "status = FATAL;")];
+    let folder = Generic { definitions: UNITS, variables: VARIABLES, code: &code, ..Generic::default() }.build("a");
     fs::write(folder.path().join("s.scn"), "scenario \"s\"\nstep 100 ms\nstop 1 s\nfmu a = \"a.fmu\"\n").unwrap();
-    Generic { definitions: UNITS, variables: VARIABLES, code: &[("GET_CODE", "status = 4;")], ..Generic::default() }
-        .pack(folder.path(), "a");
     for placement in PLACEMENTS {
         let said = run(folder.path(), &[&["run", "s.scn"], placement].concat());
         assert_eq!(said.code, Some(3), "{}", said.err);

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
-use tests::foreign::Generic;
+use tests::foreign::{Generic, STATES};
 use tests::program::{Said, run};
 
 const VARIABLES: &str = r#"
@@ -20,16 +20,14 @@ const DEFINITIONS: &str = r#"<UnitDefinitions>
 
 /// A folder with `tank.fmu`, whose output is the integral of its input.
 fn with_tank() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
     let unit = Generic {
         variables: VARIABLES,
         definitions: DEFINITIONS,
-        capabilities: r#"canGetAndSetFMUstate="true" canSerializeFMUstate="true""#,
+        capabilities: STATES,
         code: &[("STEP_CODE", "R[1] += H * R[0];"), ("WITH_STATES", "1")],
         ..Generic::default()
     };
-    unit.pack(folder.path(), "tank");
-    folder
+    unit.build("tank")
 }
 
 fn simulate(folder: &Path, input: &str) -> Said {
@@ -88,12 +86,11 @@ fn what_is_wrong_with_a_table_is_said_alike_by_all_that_read_tables() {
 
 #[test]
 fn an_output_called_time_has_a_quoted_column_in_every_format() {
-    let folder = tempfile::tempdir().unwrap();
     let variables = r#"<ScalarVariable name="time" valueReference="0" causality="output" initial="exact">
         <Real start="0"/></ScalarVariable>
         <ScalarVariable name="u" valueReference="1" causality="input"><Real start="0"/></ScalarVariable>"#;
     let unit = Generic { variables, code: &[("STEP_CODE", "R[0] = 100 + T;")], ..Generic::default() };
-    unit.pack(folder.path(), "clock");
+    let folder = unit.build("clock");
     let said = run(folder.path(), &["simulate", "clock.fmu", "--stop", "1", "--step", "0.5", "--out", "out"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     let trace = fs::read_to_string(folder.path().join("out/trace.csv")).unwrap();

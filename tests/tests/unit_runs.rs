@@ -2,10 +2,9 @@
 #![allow(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
 use std::path::Path;
-use tests::foreign::{CLAIMS_STATES, Foreign, Generic};
+use tests::foreign::{CLAIMS_STATES, Foreign, Generic, STATES};
 use tests::program::{Said, run};
 
-const STATES: &str = "canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"";
 /// An integrator: y is the integral of u.
 const INTEGRATOR: &str = r#"
 <ScalarVariable name="u" valueReference="0" causality="input"><Real start="1"/></ScalarVariable>

@@ -5,11 +5,9 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 use tests::foreign::Generic;
-use tests::program::{Said, run};
+use tests::program::{PLACEMENTS, Said, run};
 
 const HEAD: &str = "scenario \"A script\"\nstep 100 ms\nstop 1 s\n";
-/// All instances in one process, and each in its own process.
-const PLACEMENTS: [&[&str]; 2] = [&[], &["--isolate"]];
 
 /// The messages of a refused command, which must not write results.
 fn refused(folder: &Path, arguments: &[&str]) -> String {
@@ -21,7 +19,6 @@ fn refused(folder: &Path, arguments: &[&str]) -> String {
 
 /// A folder with a unit that has two inputs, the name of one of which needs quotes.
 fn with_gust() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
     let input = |name: &str, reference: u32, start: &str| {
         format!(
             "<ScalarVariable name=\"{name}\" valueReference=\"{reference}\" causality=\"input\">\
@@ -37,8 +34,7 @@ fn with_gust() -> TempDir {
         code: &[("INSTANTIATE_CODE", "R[0] = 1; R[1] = -2.5;")],
         ..Generic::default()
     };
-    unit.pack(folder.path(), "plane");
-    folder
+    unit.build("plane")
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Which value goes where: a scenario flattened to indices, sorted once, before the first step.
 //!
-//! Instances that step and deliver together form a group. Inputs and outputs of all instances lie in one array for each
+//! Instances that step and deliver together form a group. Inputs and outputs of all instances are in one array for each
 //! base type, ordered by group, instance and variable, so that a group's values are one range and one call per type sets
 //! or reads an instance's values. Next on the walk: `step_loop.rs`.
 

@@ -1,7 +1,8 @@
 //! Finds the units that a script names, and builds those of the user's own workspace that are stale.
 //!
-//! A name that ends in `.fmu` or `.FMU` is a path beside the script. Any other name is looked up in the folders of `--units`, then
-//! among the unit crates of the cargo workspace that the user's current folder is in. Nothing else is ever built.
+//! A name that ends in `.fmu` or `.FMU` is a path beside the script. Any other name is looked up in the folders of
+//! `--units`, then among the unit crates of the cargo workspace that the user's current folder is in. Nothing else is ever
+//! built.
 
 use dsl::loader::Problem as UnitProblem;
 use fmi2::printable;

@@ -204,8 +204,10 @@ impl Loader for Files<'_> {
 /// # Errors
 /// Why a unit cannot be given the file.
 pub fn given_file(folder: &Path, name: &str) -> Result<PathBuf, Problem> {
-    let unreadable =
-        |error: io::Error| Problem { message: format!("file {name:?} cannot be read: {error}"), help: None };
+    let unreadable = |error: io::Error| Problem {
+        message: format!("file {name:?} cannot be read: {error}"),
+        help: Some("the path is relative to the script's folder".to_owned()),
+    };
     let home = folder.canonicalize().map_err(unreadable)?;
     let path = folder.join(name).canonicalize().map_err(unreadable)?;
     if !path.starts_with(&home) {

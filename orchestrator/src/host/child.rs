@@ -38,8 +38,9 @@ pub fn read_spec(input: &mut impl Read) -> io::Result<RunSpec> {
     let length = u64::from_le_bytes(length);
     let mut bytes = Vec::new();
     if length > LONGEST_SPEC || input.take(length).read_to_end(&mut bytes)? as u64 != length {
-        return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the plan on standard input is cut short"));
+        return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the specification on standard input is cut short"));
     }
-    postcard::from_bytes(&bytes)
-        .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, format!("no plan on standard input: {error}")))
+    postcard::from_bytes(&bytes).map_err(|error| {
+        io::Error::new(io::ErrorKind::InvalidData, format!("no specification on standard input: {error}"))
+    })
 }

@@ -1,6 +1,6 @@
 //! Carries out a prepared run: supervises it and writes its files.
 
-use crate::host::supervise::{BeginLive, RunEnd, StartWorkers, SuperviseError, supervise};
+use crate::host::supervise::{BeginLive, RunEnd, StartWorkers, SuperviseError, start_error, supervise};
 use crate::run::message::Reason;
 use crate::run::prepared_run::PreparedRun;
 use crate::run::run_spec::RunSpec;
@@ -69,10 +69,8 @@ pub fn carry_out(
 ) -> Result<RunOutcome, SuperviseError> {
     let ReadyRun { run, live } = ready;
     let PreparedRun { spec, saving, mut record, mut folder, home: _home, completion: _completion, script } = run;
-    let program = std::env::current_exe();
-    let program = program.map_err(|error| SuperviseError::Start { doing: "find this program", error });
-    let adopted = Descendants::adopt();
-    let adopted = adopted.map_err(|error| SuperviseError::Start { doing: "adopt the processes of units", error });
+    let program = std::env::current_exe().map_err(start_error("find this program"));
+    let adopted = Descendants::adopt().map_err(start_error("adopt the processes of units"));
     let ended = program.and_then(|program| {
         // Dropped when what steps has ended, and while signals are still counted.
         let _descendants = adopted?;

@@ -53,7 +53,7 @@ const LOOK_PERIOD: Duration = Duration::from_millis(50);
 /// How long a stepping process may take to exit after it reported the end of the run.
 const EXIT_DEADLINE: Duration = Duration::from_secs(2);
 
-fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError {
+pub(super) fn start_error(doing: &'static str) -> impl FnOnce(io::Error) -> SuperviseError {
     move |error| SuperviseError::Start { doing, error }
 }
 
@@ -298,7 +298,8 @@ impl<'a, W: Write> Supervision<'a, W> {
         Some(Failure::between_calls(seconds(self.repeated?, self.spec.scenario.step_ns), text))
     }
 
-    /// Kills a process that a unit has copied, that has been in one call for too long, or that does not exit after it reported the end.
+    /// Kills a process that a unit has copied, that has been in one call for too long, or that does not exit after it
+    /// reported the end.
     fn watch(&mut self, stepping: &mut dyn Stepping) {
         let since = self.polled.elapsed();
         self.polled = Instant::now();

@@ -1,6 +1,6 @@
 //! Tests a unit by running it: each test is one or two stepping processes, supervised like a run.
 
-use crate::host::supervise::{SuperviseError, supervise};
+use crate::host::supervise::{SuperviseError, start_error, supervise};
 use crate::run::exercise::{Exercise, take_difference};
 use crate::run::run_spec::RunSpec;
 use fmi2::description::CoSimulation;
@@ -8,6 +8,7 @@ use results::checkpoint::Saving;
 use results::recorder::Recorder;
 use results::report::console::{Console, Style};
 use std::path::Path;
+use unit::process::Descendants;
 
 /// How a test came out.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -104,6 +105,8 @@ fn failure_of(
         let mut spec = spec.clone();
         spec.options.exercise = Some(exercise);
         let mut console = Console::new(Vec::new(), Style::Never);
+        // What the unit started ends with the exercise, as with a run.
+        let _descendants = Descendants::adopt().map_err(start_error("adopt the processes of units"))?;
         let ended = supervise(&spec, &Saving::default(), program, None, Recorder::default(), None, &mut console);
         // The next process makes a board of its own under this name.
         std::fs::remove_file(&spec.board).ok();

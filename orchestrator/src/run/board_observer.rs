@@ -65,7 +65,7 @@ impl Observer for BoardObserver<'_> {
         let InputLimits { name, unit, limits, .. } = input;
         let space = if unit.is_empty() { "" } else { " " };
         let value = shortest_decimal(value);
-        let text = format!("`{name}` gets {value}{space}{unit}, and its description says {limits} (said once)");
+        let text = format!("`{name}` gets {value}{space}{unit}, and its description says {limits} (reported once)");
         message(self.board, &Message::Log(LogMessage::warning(input.port.instance, (tick, tick), text)));
     }
 

@@ -12,6 +12,7 @@ use crate::run::message::{Finish, Message, Reason};
 use crate::run::run_spec::RunSpec;
 use crate::run::worker::Instantiated;
 use flatten::values::Values;
+use fmi2::printable;
 use inputs::Inputs;
 use results::shortest_decimal;
 use row::Ports;
@@ -337,7 +338,7 @@ impl<'a> Bench<'a> {
 
     fn write(&self, file: &Path, content: &impl Serialize) -> Result<(), Stop> {
         let failed = |error: &dyn std::fmt::Display| {
-            Stop::Broken(Failure::between_calls(0.0, format!("cannot write {}: {error}", file.display())))
+            Stop::Broken(Failure::between_calls(0.0, format!("cannot write {}: {error}", printable::path(file))))
         };
         let bytes = postcard::to_stdvec(content).map_err(|error| failed(&error))?;
         std::fs::write(file, bytes).map_err(|error| failed(&error))
@@ -345,6 +346,6 @@ impl<'a> Bench<'a> {
 }
 
 fn read<T: DeserializeOwned>(file: &Path) -> Result<T, String> {
-    let bytes = std::fs::read(file).map_err(|error| format!("cannot read {}: {error}", file.display()))?;
-    postcard::from_bytes(&bytes).map_err(|error| format!("cannot read {}: {error}", file.display()))
+    let bytes = std::fs::read(file).map_err(|error| format!("cannot read {}: {error}", printable::path(file)))?;
+    postcard::from_bytes(&bytes).map_err(|error| format!("cannot read {}: {error}", printable::path(file)))
 }

@@ -5,6 +5,7 @@ use crate::run::run_spec::UnitSpec;
 use crate::run::start_values::StartValues;
 use crate::run::worker::Instantiated;
 use dsl::scenario::Preset;
+use fmi2::printable;
 use std::path::Path;
 use std::sync::Arc;
 use unit::board::{Note, Now};
@@ -107,9 +108,9 @@ impl Instantiator<'_> {
         let named = |path: &Path| {
             let within = |unit: &UnitSpec| {
                 let folder = unit.folder.canonicalize().ok()?;
-                Some(format!("{} of unit `{}`", path.strip_prefix(folder).ok()?.display(), unit.name))
+                Some(format!("{} of unit `{}`", printable::path(path.strip_prefix(folder).ok()?), unit.name))
             };
-            self.units.iter().find_map(within).unwrap_or_else(|| path.display().to_string())
+            self.units.iter().find_map(within).unwrap_or_else(|| printable::path(path))
         };
         let Conflict { needed, used, own } = conflict;
         let own = own.as_ref().map_or_else(|| "that of the system".to_owned(), |own| named(own));
@@ -125,7 +126,7 @@ impl Instantiator<'_> {
 /// # Errors
 /// The unit refuses.
 pub fn set_up(made: &mut Instantiated, note: &Note, start_tick: u64, step_ns: u64) -> Result<(), Failure> {
-    made.start_values.set_presets(&mut made.instance, &at_start(note, start_tick, step_ns))?;
+    made.start_values.set_presets(&mut made.instance, || at_start(note, start_tick, step_ns))?;
     made.instance.setup_experiment(&at_start(note, start_tick, step_ns))
 }
 

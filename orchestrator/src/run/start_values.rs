@@ -83,12 +83,12 @@ impl StartValues {
         VariableSlot { slot: self.values.add(ValueType::of(variable)), variable: index }
     }
 
-    /// Sets the presets, before initialization mode.
+    /// Sets the presets, before initialization mode, each in a batch of its own, which `begin` begins.
     ///
     /// # Errors
     /// The unit refuses.
-    pub fn set_presets(&self, instance: &mut Instance, now: &Now<'_>) -> Result<(), Failure> {
-        self.presets.iter().try_for_each(|&slot| set_slots(instance, now, &[slot], &self.values))
+    pub fn set_presets<'n>(&self, instance: &mut Instance, begin: impl Fn() -> Now<'n>) -> Result<(), Failure> {
+        self.presets.iter().try_for_each(|&slot| set_slots(instance, &begin(), &[slot], &self.values))
     }
 
     /// In initialization mode: warns of a library that starts with other values than its description, then sets inputs and,
@@ -157,14 +157,19 @@ impl StartValues {
 }
 
 impl Label {
-    fn text(&self, values: &Values, Slot { base, index }: Slot) -> String {
-        let number = match base {
-            ValueType::Real => shortest_decimal(values.reals[index]),
-            ValueType::Integer => values.integers[index].to_string(),
-            ValueType::Boolean => (values.booleans[index] != 0).to_string(),
-            ValueType::Text => format!("{:?}", values.texts[index]),
-        };
-        self.unit.as_ref().map_or_else(|| number.clone(), |unit| format!("{number} {unit}"))
+    fn text(&self, values: &Values, slot: Slot) -> String {
+        let value = value_text(values, slot);
+        self.unit.as_ref().map_or_else(|| value.clone(), |unit| format!("{value} {unit}"))
+    }
+}
+
+/// A value as messages show it, without its unit of measure.
+pub(super) fn value_text(values: &Values, Slot { base, index }: Slot) -> String {
+    match base {
+        ValueType::Real => shortest_decimal(values.reals[index]),
+        ValueType::Integer => values.integers[index].to_string(),
+        ValueType::Boolean => (values.booleans[index] != 0).to_string(),
+        ValueType::Text => format!("{:?}", values.texts[index]),
     }
 }
 

@@ -81,7 +81,7 @@ pub trait Worker {
     /// The unit refuses, or the worker is gone.
     fn get_initial(&mut self, instance: usize, slots: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost>;
 
-    /// Ends initialization and returns the outputs of all its instances at tick 0.
+    /// Ends initialization and returns the outputs of all its instances at the first tick.
     ///
     /// # Errors
     /// A unit refuses, or the worker is gone.

@@ -1,6 +1,6 @@
 //! Claims judged online: each takes one sample at every tick and has a standing at any time.
 //!
-//! A claim is a `claim::AtStart` over `stream::Stream`s, which never change; what changes lies in a `ClaimsMemory`. All of
+//! A claim is a `claim::AtStart` over `stream::Stream`s, which never change; what changes is in a `ClaimsMemory`. All of
 //! it is allocated before the first sample, so that taking one allocates nothing. Next on the walk: `recorder.rs` and
 //! `report/` of the crate `results`.
 

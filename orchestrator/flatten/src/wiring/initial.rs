@@ -96,7 +96,7 @@ fn initial_call(
         InitialStep::Set { instance, connections } => {
             let connections: Vec<_> = connections.iter().map(|&index| &scenario.connections[index]).collect();
             let slots: Vec<_> = connections.iter().map(|connection| table.input_slot(connection.target)).collect();
-            let limited = limits.among(&slots);
+            let limited = limits.among(connections.iter().map(|connection| connection.target));
             let feed = Feed::new(&connections, table);
             let shared = used(shared, std::slice::from_ref(&feed));
             InitialCall::Set { worker: worker_of[*instance], instance: *instance, feed, shared, slots, limited }

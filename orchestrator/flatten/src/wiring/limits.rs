@@ -1,7 +1,7 @@
 //! Which inputs have limits that a value may miss during the run: those that their unit's description limits, and that are
 //! driven by more than a constant, which was checked before.
 
-use super::slot_table::{SlotTable, VariableSlot};
+use super::slot_table::SlotTable;
 use crate::values::{Slot, ValueType, Values};
 use dsl::scenario::{Drive, Port, RealExpression, Scenario};
 use fmi2::description::{Limits, ModelDescription};
@@ -24,7 +24,7 @@ pub struct InputLimits {
 /// All such inputs.
 #[derive(Clone, Debug, Default)]
 pub struct LimitChecks {
-    /// The inputs.
+    /// The inputs, ordered by port.
     pub all: Vec<InputLimits>,
     /// Those of each group, as indices.
     pub of_group: Vec<Vec<usize>>,
@@ -70,10 +70,12 @@ impl LimitChecks {
         checks
     }
 
-    /// The inputs in these slots, as indices.
-    pub(super) fn among(&self, slots: &[VariableSlot]) -> Vec<usize> {
-        let is_there = |slot: Slot| slots.iter().any(|input| input.slot == slot);
-        (0..self.all.len()).filter(|&index| is_there(self.all[index].slot)).collect()
+    /// Those of these ports that are checked, as indices in order.
+    pub(super) fn among(&self, ports: impl Iterator<Item = Port>) -> Vec<usize> {
+        let index_of = |port| self.all.binary_search_by_key(&port, |input| input.port).ok();
+        let mut indices: Vec<_> = ports.filter_map(index_of).collect();
+        indices.sort_unstable();
+        indices
     }
 }
 

@@ -66,8 +66,9 @@ impl Sheet {
     fn new(text: String) -> Self {
         let mut sheet = Self { text, separator: ',', next: 0 };
         let line = sheet.text.lines().next().unwrap_or_default();
-        let said = line.trim().trim_matches('"').to_ascii_lowercase();
-        match said.strip_prefix("sep=").and_then(|rest| rest.chars().next()) {
+        // The separator may be a tab, so only spaces are trimmed.
+        let first = line.trim_matches([' ', '"']).to_ascii_lowercase();
+        match first.strip_prefix("sep=").and_then(|rest| rest.chars().next()) {
             Some(separator) => {
                 sheet.separator = separator;
                 sheet.next = (line.len() + 1).min(sheet.text.len());
@@ -222,6 +223,7 @@ mod tests {
             "time;m[1,2]\r\n0;1\r\n\r\n1;TRUE",
             "# a table, made\n\"time\"\tm[1,2]\r# and more\r0 \t 1\r\t\r1\tTRUE\r",
             "sep=;\ntime;m[1,2]\n0;1\n;\n1;\"TRUE\"\n",
+            "\"sep=\t\"\ntime\tm[1,2]\n0\t1\n1\tTRUE\n",
         ] {
             assert_eq!(rows(text.as_bytes()), expected, "{text:?}");
             assert_eq!(rows(format!("\u{feff}{text}").as_bytes()), expected, "{text:?}");

@@ -1,9 +1,11 @@
 //! The inputs of a unit under test: its start values, to which a Real input adds a small wave, so that its state counts.
 
-use fmi2::description::{Causality, Kind, ModelDescription, RealVariable, TypeKind, Variable};
+use crate::run::worker::scattered::set_slots;
+use flatten::values::{ValueType, Values, start_value};
+use flatten::wiring::VariableSlot;
+use fmi2::description::{Causality, Kind, Limits, ModelDescription, RealVariable, TypeKind, Variable};
 use unit::board::Now;
 use unit::failure::Failure;
-use unit::handles::Handles;
 use unit::instance::Instance;
 
 /// The part of a start value by which an input varies.
@@ -11,13 +13,14 @@ const PART: f64 = 0.05;
 /// The angle in radians that the wave advances in a step, that the waves of two inputs differ by, and those of two variations.
 const ANGLES: [f64; 3] = [0.7, 1.0, 1.9];
 
-/// The inputs of a unit, by type.
+/// The inputs of a unit.
 #[derive(Debug, Default)]
 pub(super) struct Inputs {
-    reals: Vec<(usize, Wave)>,
-    integers: (Vec<usize>, Vec<i32>),
-    booleans: (Vec<usize>, Vec<i32>),
-    texts: (Vec<usize>, Vec<String>),
+    slots: Vec<VariableSlot>,
+    /// Their start values.
+    values: Values,
+    /// In the order of the Reals of `values`.
+    waves: Vec<Wave>,
 }
 
 /// A wave between two values, in the variable's own unit.
@@ -34,21 +37,13 @@ impl Inputs {
         let variables = description.variables.iter().enumerate();
         for (index, variable) in variables.filter(|(_, variable)| variable.causality == Causality::Input) {
             match &variable.kind {
-                Kind::Real(real) => inputs.reals.push((index, wave(description, variable, real))),
-                Kind::Integer { start: Some(start), .. } | Kind::Enumeration { start: Some(start), .. } => {
-                    inputs.integers.0.push(index);
-                    inputs.integers.1.push(*start);
-                }
-                Kind::Boolean { start: Some(start) } => {
-                    inputs.booleans.0.push(index);
-                    inputs.booleans.1.push(i32::from(*start));
-                }
-                Kind::String { start: Some(start) } => {
-                    inputs.texts.0.push(index);
-                    inputs.texts.1.push(start.clone());
-                }
-                _ => {}
+                Kind::Real(real) => inputs.waves.push(wave(description, variable, real)),
+                _ if variable.has_start() => {}
+                _ => continue,
             }
+            let slot = inputs.values.add(ValueType::of(variable));
+            inputs.values.store(slot, &start_value(variable));
+            inputs.slots.push(VariableSlot { slot, variable: index });
         }
         inputs
     }
@@ -58,21 +53,9 @@ impl Inputs {
     /// # Errors
     /// The unit refuses.
     pub fn set(&self, instance: &mut Instance, now: &Now<'_>, variation: usize, tick: u64) -> Result<(), Failure> {
-        let values: Vec<f64> =
-            self.reals.iter().enumerate().map(|(nth, (_, wave))| wave.at(tick, nth, variation)).collect();
-        let reals = handles(instance, self.reals.iter().map(|(variable, _)| *variable));
-        let [integers, booleans, texts] =
-            [&self.integers.0, &self.booleans.0, &self.texts.0].map(|of| handles(instance, of.iter().copied()));
-        instance.set_real(now, &reals, &values)?;
-        instance.set_integer(now, &integers, &self.integers.1)?;
-        instance.set_boolean(now, &booleans, &self.booleans.1)?;
-        instance.set_string(now, &texts, &self.texts.1)
+        let reals = self.waves.iter().enumerate().map(|(nth, wave)| wave.at(tick, nth, variation)).collect();
+        set_slots(instance, now, &self.slots, &Values { reals, ..self.values.clone() })
     }
-}
-
-/// The handles of variables of the unit's own description.
-pub(super) fn handles(instance: &Instance, variables: impl IntoIterator<Item = usize>) -> Handles {
-    instance.handles(variables).unwrap_or_else(|| unreachable!("the variables are those of its description"))
 }
 
 impl Wave {
@@ -87,14 +70,14 @@ impl Wave {
 
 /// A wave on the side of the start value where the limits leave room.
 fn wave(description: &ModelDescription, variable: &Variable, real: &RealVariable) -> Wave {
+    let Limits { min, max, .. } = description.limits_of(variable);
+    let (low, high) = (min.unwrap_or(f64::NEG_INFINITY), max.unwrap_or(f64::INFINITY));
     let declared = variable.declared_type.as_deref().and_then(|name| description.simple_type(name));
     let inherited = match declared.map(|declared| &declared.kind) {
-        Some(TypeKind::Real(inherited)) => Some(inherited),
+        Some(TypeKind::Real(inherited)) => inherited.nominal,
         _ => None,
     };
-    let low = real.min.or(inherited.and_then(|real| real.min)).unwrap_or(f64::NEG_INFINITY);
-    let high = real.max.or(inherited.and_then(|real| real.max)).unwrap_or(f64::INFINITY);
-    let nominal = real.nominal.or(inherited.and_then(|real| real.nominal)).unwrap_or(1.0);
+    let nominal = real.nominal.or(inherited).unwrap_or(1.0);
     let from = real.start.unwrap_or(0.0);
     let size = PART * if from == 0.0 { nominal } else { from.abs() };
     let to = if from + size <= high { from + size } else { (from - size).max(low) };
@@ -109,7 +92,8 @@ mod tests {
     fn wave_of(start: Option<f64>, min: Option<f64>, max: Option<f64>, nominal: Option<f64>) -> (f64, f64) {
         let attributes = RealAttributes { min, max, nominal, ..RealAttributes::default() };
         let real = RealVariable { start, attributes, ..RealVariable::default() };
-        let variable = crate::example::description().variables.swap_remove(0);
+        let mut variable = crate::example::description().variables.swap_remove(0);
+        variable.kind = Kind::Real(real.clone());
         let Wave { from, to } = wave(&ModelDescription::default(), &variable, &real);
         (from, to)
     }

@@ -147,15 +147,16 @@ impl Worker for InProcess {
     }
 
     fn start(&mut self, outputs: &mut Values) -> Result<(), Lost> {
-        let now = at_start(&self.note, self.start_tick, self.step_ns);
+        // A batch for each step of this, since start values and outputs are read by the same function.
+        let now = || at_start(&self.note, self.start_tick, self.step_ns);
         for held in in_order(&mut self.held) {
             let start_values = self.start_values.remove(&held.index);
-            let started = held.instance.exit_initialization_mode(&now);
+            let started = held.instance.exit_initialization_mode(&now());
             let started = started.and_then(|()| match start_values {
-                Some(start_values) => start_values.compare_held(&mut held.instance, &now),
+                Some(start_values) => start_values.compare_held(&mut held.instance, &now()),
                 None => Ok(()),
             });
-            started.and_then(|()| held.get(&now, outputs)).map_err(|failure| held.lose(failure))?;
+            started.and_then(|()| held.get(&now(), outputs)).map_err(|failure| held.lose(failure))?;
         }
         Ok(())
     }
@@ -243,8 +244,8 @@ fn read_again(held: &mut [HeldInstance], now: &Now<'_>, outputs: &mut Values, ch
     for held in &mut *held {
         held.get(now, outputs).map_err(|failure| held.lose(failure))?;
     }
-    let told = held.iter().any(|held| held.instance.told_floating_point());
-    if let Some(first) = held.first_mut().filter(|_| !told) {
+    let reported = held.iter().any(|held| held.instance.reported_floating_point());
+    if let Some(first) = held.first_mut().filter(|_| !reported) {
         first.instance.changed_by_reading(now, changes);
     }
     Ok(())
