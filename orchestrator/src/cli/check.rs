@@ -7,7 +7,7 @@ mod unit_run;
 
 use super::exit_code;
 use crate::find::catalogue::{Catalogue, is_archive};
-use crate::find::preparation::Refusal;
+use crate::find::preparation::{self, Refusal};
 use crate::find::script::Script;
 use dsl::diagnostic::Severity;
 use dsl::scenario::Scenario;
@@ -76,14 +76,15 @@ impl Check {
                     report::rendered_result(&checked.findings);
                     report::result(&self.text(file, &checked));
                 }
-                Err(message) => {
+                Err(refusal) => {
                     all_well = false;
-                    report::error(&message, None);
+                    report::status(refusal.0.trim_end());
                     continue;
                 }
             }
             if self.unit_run.is_asked_for_with(file) {
-                match self.tested(file, &mut catalogue) {
+                let tested = self.catalogue(&mut catalogue).and_then(|catalogue| self.unit_run.test(file, catalogue));
+                match tested {
                     Ok(passed) => tests_passed &= passed,
                     Err(refusal) => {
                         all_well = false;
@@ -99,30 +100,21 @@ impl Check {
         }
     }
 
-    fn tested(&self, file: &Path, catalogue: &mut Option<Catalogue>) -> Result<bool, Refusal> {
-        let catalogue = match catalogue {
-            Some(catalogue) => catalogue,
-            None => catalogue.insert(self.catalogue().map_err(|message| Refusal::new(&message, None))?),
-        };
-        self.unit_run.test(file, catalogue)
-    }
-
-    fn one(&self, file: &Path, catalogue: &mut Option<Catalogue>) -> Result<Checked, String> {
+    fn one(&self, file: &Path, catalogue: &mut Option<Catalogue>) -> Result<Checked, Refusal> {
         if is_archive(file) {
-            return unit_file::check(file).map_err(|error| error.to_string());
+            return unit_file::check(file).map_err(|error| Refusal::new(&error, None));
         }
-        let catalogue = match catalogue {
-            Some(catalogue) => catalogue,
-            None => catalogue.insert(self.catalogue()?),
-        };
-        let script = Script::read(file, &self.set, catalogue, self.isolate)
-            .map_err(|error| format!("cannot read {}: {error}", printable::path(file)))?;
+        let script = Script::read(file, &self.set, self.catalogue(catalogue)?, self.isolate)
+            .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", printable::path(file)), None))?;
         Ok(of_script(&script, has_colour(&std::io::stdout())))
     }
 
-    fn catalogue(&self) -> Result<Catalogue, String> {
-        let current = std::env::current_dir().map_err(|error| format!("cannot find the current folder: {error}"))?;
-        Catalogue::new(self.units.clone(), &current, !self.no_build).map_err(|error| error.to_string())
+    /// The catalogue, made when the first file needs it.
+    fn catalogue<'a>(&self, made: &'a mut Option<Catalogue>) -> Result<&'a mut Catalogue, Refusal> {
+        Ok(match made {
+            Some(catalogue) => catalogue,
+            None => made.insert(preparation::catalogue(&self.units, !self.no_build)?),
+        })
     }
 
     fn text(&self, file: &Path, checked: &Checked) -> String {
@@ -208,7 +200,7 @@ mod tests {
                 strict: false,
                 unit_run: unit_run::UnitRun::default(),
             };
-            let message = check.one(&file, &mut None).unwrap_err();
+            let Refusal(message) = check.one(&file, &mut None).unwrap_err();
             assert!(message.contains(name) && message.contains("No such file"), "{message}");
         }
     }

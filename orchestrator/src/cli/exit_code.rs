@@ -47,18 +47,21 @@ pub(super) fn reached(
         Ok(of(outcome.ended.interrupted, outcome.ended.failure.is_some(), outcome.verdict.count()))
     });
     code.unwrap_or_else(|error| {
-        let help = match &error {
-            SuperviseError::Trace(error) | SuperviseError::Broken { error, .. } => error.help(),
-            SuperviseError::Start { error, .. } => has_no_room(error).then_some(OTHER_TMPDIR),
-        };
-        report::error(&error, help);
+        report::error(&error, help(&error));
         BROKEN
     })
 }
 
-/// Whether a file could not be made in the private folder for want of room.
-fn has_no_room(error: &io::Error) -> bool {
-    [io::ErrorKind::FileTooLarge, io::ErrorKind::QuotaExceeded, io::ErrorKind::StorageFull].contains(&error.kind())
+/// What the user can do about a run that could not be supervised.
+pub(super) fn help(error: &SuperviseError) -> Option<&'static str> {
+    match error {
+        SuperviseError::Trace(error) | SuperviseError::Broken { error, .. } => error.help(),
+        SuperviseError::Start { error, .. } => match error.kind() {
+            io::ErrorKind::FileTooLarge => Some("raise the limit of the size of files (ulimit -f)"),
+            io::ErrorKind::QuotaExceeded | io::ErrorKind::StorageFull => Some(OTHER_TMPDIR),
+            _ => None,
+        },
+    }
 }
 
 /// The code of a run that was started; where several fit, interrupted comes first, then broken, unjudged, failed.
@@ -93,6 +96,14 @@ mod tests {
         assert_eq!(of(false, false, count(2, 0, 1)), FAILED);
         assert_eq!(of(false, false, count(0, 0, 2)), UNJUDGED);
         assert_eq!(of(false, false, count(0, 1, 2)), FAILED);
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_made_is_helped_by_a_higher_limit_or_by_another_folder() {
+        let of = |kind: io::ErrorKind| help(&SuperviseError::Start { doing: "make the board", error: kind.into() });
+        assert!(of(io::ErrorKind::FileTooLarge).is_some_and(|help| help.ends_with("(ulimit -f)")));
+        assert_eq!(of(io::ErrorKind::StorageFull), Some(OTHER_TMPDIR));
+        assert_eq!(of(io::ErrorKind::PermissionDenied), None);
     }
 
     #[test]

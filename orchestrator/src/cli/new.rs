@@ -1,5 +1,6 @@
 //! `lockstep new`: a crate for one's own unit.
 
+use fmi2::printable;
 use results::report;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -62,7 +63,7 @@ impl Unit {
         let fmu = self.fmu_folder()?;
         let folder = Path::new(&self.name);
         if folder.exists() {
-            return Err((format!("{} is already there", folder.display()), Some("choose another name")));
+            return Err((format!("{} is already there", printable::path(folder)), Some("choose another name")));
         }
         let type_name = camel_case(&self.name);
         let fill = |template: &str| {
@@ -82,18 +83,21 @@ impl Unit {
             let path = folder.join(file);
             let written =
                 path.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(&path, fill(template)));
-            written.map_err(|error| (format!("cannot write {}: {error}", path.display()), None))?;
+            written.map_err(|error| (format!("cannot write {}: {error}", printable::path(&path)), None))?;
         }
         Ok(())
     }
 
     /// An absolute path, so that the new crate may be moved.
-    fn fmu_folder(&self) -> Result<PathBuf, Refusal> {
+    fn fmu_folder(&self) -> Result<String, Refusal> {
         let beside_this = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fmus/fmu");
         let folder = self.fmu.clone().unwrap_or(beside_this);
         let found = folder.canonicalize().ok().filter(|folder| folder.join("Cargo.toml").is_file());
         let help = "name the folder fmus/fmu of a Lockstep checkout: --fmu PATH";
-        found.ok_or_else(|| (format!("there is no crate `fmu` in {}", folder.display()), Some(help)))
+        let found =
+            found.ok_or_else(|| (format!("there is no crate `fmu` in {}", printable::path(&folder)), Some(help)))?;
+        let text = found.to_str().filter(|text| printable::line(text) == *text).map(str::to_owned);
+        text.ok_or_else(|| (format!("a Cargo.toml cannot name {}", printable::path(&found)), Some("rename the folder")))
     }
 }
 
@@ -110,9 +114,9 @@ fn camel_case(name: &str) -> String {
     name.split('_').map(capital).collect()
 }
 
-/// A path as it stands between the quotes of a TOML text.
-fn toml_text(path: &Path) -> String {
-    path.display().to_string().replace('\\', "\\\\").replace('"', "\\\"")
+/// A printable path between the quotes of a TOML text.
+fn toml_text(path: &str) -> String {
+    path.replace('\\', "\\\\").replace('"', "\\\"")
 }
 
 #[cfg(test)]

@@ -30,8 +30,7 @@ use std::time::Duration;
 ///
 /// Start, stop and step are those of the unit's DefaultExperiment, or one second in steps of a thousandth. Outputs, inputs
 /// and what --input drives are recorded under their own names. Ends with 0 if the unit came to the end, 2 if the command
-/// line is wrong,
-/// 3 if the run broke, 130 if it was interrupted.
+/// line is wrong, 3 if the run broke, 130 if it was interrupted.
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
     /// An .fmu file, or a unit as scripts name it
@@ -150,7 +149,7 @@ impl Simulate {
             copied.map_err(TraceError::io("write", output))?;
         }
         let heading = heading_line(&outcome.heading(), &outcome.verdict);
-        report::result(&(heading + &next_lines(outcome.folder.path(), self.record != ["none"])));
+        report::result(&(heading + &next_lines(outcome.folder.path(), !record::is_none(&self.record))));
         Ok(())
     }
 }

@@ -1,14 +1,15 @@
 //! `lockstep check --run`: tests a unit by running it, a line for each test.
 
+use crate::cli::exit_code;
 use crate::cli::simulate::alone::Alone;
 use crate::cli::simulate::experiment::{self, Asked, Experiment};
-use crate::find::catalogue::Catalogue;
+use crate::find::catalogue::{Catalogue, is_archive};
 use crate::find::preparation::{self, Refusal};
 use crate::host::unit_tests::{TestResult, Tested, test_unit};
 use crate::run::run_options::RunOptions;
 use fmi2::description::ModelDescription;
+use fmi2::printable;
 use results::{report, shortest_decimal};
-use std::ffi::OsStr;
 use std::path::Path;
 use std::time::Duration;
 
@@ -38,15 +39,15 @@ pub(super) struct UnitRun {
 impl UnitRun {
     /// Whether this file is to be run.
     pub fn is_asked_for_with(&self, file: &Path) -> bool {
-        self.run && file.extension() == Some(OsStr::new("fmu"))
+        self.run && is_archive(file)
     }
 
     /// Runs all tests of a unit and prints each result; says whether none failed.
     ///
     /// # Errors
     /// The unit cannot be run at all, or an option does not fit.
-    pub fn test(&self, file: &Path, catalogue: &Catalogue) -> Result<bool, Refusal> {
-        let alone = Alone::find(&file.to_string_lossy(), catalogue)?;
+    pub fn test(&self, file: &Path, catalogue: &mut Catalogue) -> Result<bool, Refusal> {
+        let alone = Alone::find(&catalogue.name_of(file.as_os_str()), catalogue)?;
         let experiment = self.experiment(&alone.description)?;
         experiment.notes.iter().for_each(|note| report::status(note));
         let mut script = alone.script(&experiment, &[], Vec::new(), Vec::new(), catalogue)?;
@@ -63,8 +64,9 @@ impl UnitRun {
         let options = RunOptions { step_timeout, ..RunOptions::default() };
         // The private folder is removed at the end.
         let (spec, _home) = preparation::prepare_tests(script, units, options)?;
+        let name = printable::path(file);
         let (step, stop) = (shortest_decimal(experiment.step_s), shortest_decimal(experiment.stop_s));
-        report::result(&format!("{}: run to {stop} s in steps of {step} s\n", file.display()));
+        report::result(&format!("{name}: run to {stop} s in steps of {step} s\n"));
         let mut failed = 0;
         let program = std::env::current_exe();
         let program = program.map_err(|error| Refusal::new(&format!("cannot find this program: {error}"), None))?;
@@ -72,9 +74,9 @@ impl UnitRun {
             failed += usize::from(matches!(tested.result, TestResult::Failed(_)));
             print(tested);
         });
-        tested.map_err(|error| Refusal::new(&error, None))?;
+        tested.map_err(|error| Refusal::new(&error, exit_code::help(&error)))?;
         let end = if failed == 0 { "no test failed".to_owned() } else { super::counted(failed, "test") + " failed" };
-        report::result(&format!("{}: {end}\n", file.display()));
+        report::result(&format!("{name}: {end}\n"));
         Ok(failed == 0)
     }
 

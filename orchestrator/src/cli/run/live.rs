@@ -36,7 +36,7 @@ impl Live {
     pub fn listen(&self) -> Result<Option<Listening>, Refusal> {
         let unnamed = self.live_every_tick.then_some(ANY_LOCAL_PORT);
         let Some(endpoint) = self.live.as_deref().or(unnamed) else { return Ok(None) };
-        // Each client takes a descriptor, and so does each connection that has not said yet that it is one.
+        // Each client takes a descriptor, and so does each connection before it is known to be one.
         raise_limit();
         if !are_left(DESCRIPTORS) || !has_address_space(ADDRESS_SPACE) {
             let message = "too few file descriptors or too little address space are left for --live";

@@ -43,7 +43,7 @@ impl Alone {
     /// The script, with its meaning: start values are set, curves drive their inputs, these columns are recorded.
     ///
     /// # Errors
-    /// A start value that the description does not allow.
+    /// A start value that the description does not allow, or a variable with two of them.
     pub fn script(
         &self,
         experiment: &Experiment,
@@ -72,6 +72,10 @@ impl Alone {
         // another step is warned of in `experiment`.
         script.diagnostics.retain(|diagnostic| !["W02", "W06", "W07", "W08"].contains(&diagnostic.code));
         if let Some(scenario) = &mut script.scenario {
+            let all = scenario.instances.iter().flat_map(|instance| &instance.presets).chain(&presets);
+            if let Some(wrong) = start_values::given_twice(all, &self.description) {
+                return Err(Refusal::new(&format!("--set: {wrong}"), Some("leave one of them")));
+            }
             self.complete(scenario, presets, curves, columns);
             scenario.start_tick = experiment.start_tick;
         }
@@ -193,6 +197,10 @@ pub(super) mod tests {
     }
 
     fn script(settings: &[&str], curves: Curves) -> Script {
+        attempt(settings, curves).unwrap_or_else(|refusal| panic!("{}", refusal.0))
+    }
+
+    fn attempt(settings: &[&str], curves: Curves) -> Result<Script, Refusal> {
         let folder = tempfile::tempdir().unwrap();
         let mut writer = zip::ZipWriter::new(std::fs::File::create(folder.path().join("tank.fmu")).unwrap());
         writer.start_file("modelDescription.xml", SimpleFileOptions::default()).unwrap();
@@ -204,7 +212,17 @@ pub(super) mod tests {
         let alone = Alone::find("tank", &catalogue).unwrap();
         let settings: Vec<_> = settings.iter().map(|&setting| setting.to_owned()).collect();
         let experiment = Experiment { start_tick: 0, stop_s: 2.0, step_s: 0.01, notes: Vec::new() };
-        alone.script(&experiment, &settings, curves, vec![level()], &catalogue).unwrap()
+        alone.script(&experiment, &settings, curves, vec![level()], &catalogue)
+    }
+
+    #[test]
+    fn a_variable_gets_one_start_value_however_both_are_written() {
+        for settings in [["area = 2", "area = 3"], ["area = 2", "area = 3 m2"], ["area = 2 m2", "area = 3"]] {
+            let refusal = attempt(&settings, Vec::new()).map(drop).unwrap_err().0;
+            assert_eq!(refusal, "error: --set: `area` gets two start values\nhelp: leave one of them", "{settings:?}");
+        }
+        let written = script(&["area = 2 m2", "area = 3 m2"], Vec::new());
+        assert!(written.rendered(false).contains("error[E03]: `area` gets two start values"));
     }
 
     #[test]

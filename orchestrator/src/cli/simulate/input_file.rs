@@ -38,6 +38,11 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>, description: &ModelDescription) 
         let rows: Vec<_> = values.map(|(&time_s, &value)| (time_s, driven.conversion.apply(value))).collect();
         let variable = &description.variables[driven.variable];
         let limits = description.limits_of(variable);
+        if let Some((time_s, _)) = rows.iter().find(|(_, value)| !value.is_finite()) {
+            let message =
+                format!("`{}` is too large for a number at {time_s} s, in its own unit of measure", variable.name);
+            return Err(file.wrong_heading(index + 1, message));
+        }
         if let Some((time_s, value)) = rows.iter().find(|(_, value)| !limits.allow(*value)) {
             let message = format!("`{}` cannot be {value} at {time_s} s: its description says {limits}", variable.name);
             return Err(file.wrong_heading(index + 1, message));
@@ -247,6 +252,7 @@ mod tests {
             "time,inflow,mode\n0,1,Spill\n",
             "time,inflow,open\n0,,1\n",
             "time,inflow,mode\n0,1,2\n1,1,3\n",
+            "time,depth [km]\n0,1e308\n",
         ];
         insta::assert_snapshot!(texts.map(wrong).concat());
     }

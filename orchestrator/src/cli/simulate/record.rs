@@ -26,9 +26,8 @@ pub(super) fn recorded(
     description: &ModelDescription,
     driven: &[usize],
 ) -> Result<Recorded, Refusal> {
-    let names: Vec<&str> = arguments.iter().flat_map(|argument| names(argument)).collect();
     let everything = || -> Vec<usize> { (0..description.variables.len()).collect() };
-    let (chosen, note) = match names.as_slice() {
+    let (chosen, note) = match all_names(arguments).as_slice() {
         ["none"] => return Ok(Recorded { columns: None, note: None }),
         ["all"] => (everything(), without_texts(&everything(), description)),
         [] => by_default(description, driven),
@@ -40,6 +39,15 @@ pub(super) fn recorded(
         port: Port { instance: 0, variable },
     };
     Ok(Recorded { columns: Some(numbers.map(column).collect()), note })
+}
+
+/// Whether `--record` asks for no trace.
+pub(super) fn is_none(arguments: &[String]) -> bool {
+    all_names(arguments) == ["none"]
+}
+
+fn all_names(arguments: &[String]) -> Vec<&str> {
+    arguments.iter().flat_map(|argument| names(argument)).collect()
 }
 
 fn is_text(variable: &Variable) -> bool {
@@ -177,7 +185,8 @@ mod tests {
         assert_eq!(names(&["in*w, *n"]), ["inflow", "open", "gain"]);
         let (all, note) = of(&["all"], &[]).unwrap();
         assert_eq!((all.len(), note.as_str()), (9, "note: 1 String is not recorded: a trace holds numbers"));
-        assert_eq!(recorded(&["none".to_owned()], &tank(), &[]), Ok(Recorded::default()));
+        let none = ["none,".to_owned()];
+        assert_eq!((is_none(&none), recorded(&none, &tank(), &[])), (true, Ok(Recorded::default())));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use dsl::scenario::{Preset, Value};
 use fmi2::description::{Kind, ModelDescription};
+use std::collections::BTreeSet;
 
 /// The preset that a setting such as `mass = 1.6` means; `None` leaves it to the language of scripts, which knows units
 /// of measure, groups and what is wrong with the rest.
@@ -26,6 +27,16 @@ pub(super) fn missed_limits(presets: &[Preset], description: &ModelDescription) 
         let message = || format!("`{}` cannot be {value}: its description says {limits}", variable.name);
         (!limits.allow(value)).then(message)
     })
+}
+
+/// The first variable that gets two of these presets: what is wrong with it.
+pub(super) fn given_twice<'a>(
+    presets: impl IntoIterator<Item = &'a Preset>,
+    description: &ModelDescription,
+) -> Option<String> {
+    let mut seen = BTreeSet::new();
+    let twice = presets.into_iter().find(|preset| !seen.insert(preset.variable))?;
+    Some(format!("`{}` gets two start values", description.variables[twice.variable].name))
 }
 
 fn parsed(text: &str, kind: &Kind) -> Option<Value> {
