@@ -19,6 +19,7 @@ use orchestrator::run::worker::{InProcess, Instantiated, Worker};
 use peer::table::{Row, Table, alternate};
 use peer::{Unit, to_error};
 use results::verdict::Standing;
+use std::cell::OnceCell;
 use std::error::Error;
 use std::time::{Duration, Instant};
 use unit::board::{Board, RowWriter};
@@ -62,21 +63,26 @@ fn by_loop(unit: &Unit, units: usize, ticks: u64) -> Result<Duration, Box<dyn Er
         .collect();
     let worker: Box<dyn Worker> =
         Box::new(InProcess::new((0, plan.step_ns), &plan.groups, &plan.ports, instances, unit.board.note(0)));
-    let mut run = StepLoop::new(plan, vec![worker], RunOptions::default(), BoardOnly { board: &unit.board });
-    let begun = Instant::now();
+    let begun = OnceCell::new();
+    let observer = BoardOnly { board: &unit.board, begun: &begun };
+    let mut run = StepLoop::new(plan, vec![worker], RunOptions::default(), observer);
     let finish = run.run(None);
-    let took = begun.elapsed();
+    let ended = Instant::now();
     assert_eq!(finish.map_err(to_error)?.last_tick, ticks, "the run of the benchmark is complete");
-    Ok(took)
+    let begun: Instant = begun.into_inner().ok_or("the run of the benchmark has reached no tick")?;
+    Ok(ended - begun)
 }
 
 /// Records nothing. As in a run, the tick is written to the board and the request to stop is read there.
 struct BoardOnly<'a> {
     board: &'a Board,
+    /// When the first tick began: the loop by hand is timed without initialization too.
+    begun: &'a OnceCell<Instant>,
 }
 
 impl Observer for BoardOnly<'_> {
     fn reached(&mut self, tick: u64) {
+        self.begun.get_or_init(Instant::now);
         self.board.set_tick(tick);
     }
     fn stop_requested(&self) -> bool {
