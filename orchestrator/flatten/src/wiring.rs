@@ -154,6 +154,7 @@ impl Plan {
 
     /// Seconds at a tick: one product and one quotient, never a sum.
     #[must_use]
+    #[inline]
     pub fn seconds(&self, tick: u64) -> f64 {
         seconds(tick, self.step_ns)
     }

@@ -38,6 +38,8 @@ pub enum Cause {
     NoInstance,
     /// The process was ended by this signal.
     Signal(i32),
+    /// An exception, or the end of the thread, left the call, so that the process ended.
+    Unwound,
     /// The process ended with this exit code without reporting that the run was complete.
     Exit(i32),
     /// The call did not return within this many seconds.
@@ -104,7 +106,7 @@ impl Failure {
             (Cause::Stopped(_), _) => Some("--step-timeout 0 waits for ever, for a debugger".to_owned()),
             (Cause::Signal(9), _) => Some("the system ends a process like this when memory runs out".to_owned()),
             (Cause::Status(_) | Cause::NoInstance, _) => {
-                Some("the unit's own messages, if it had any, stand above".to_owned())
+                Some("the unit's own messages, if it had any, are above".to_owned())
             }
             _ => None,
         }
@@ -146,6 +148,13 @@ impl fmt::Display for Failure {
                     write!(f, " ({name})")?;
                 }
                 write!(f, " {place}")?;
+            }
+            Cause::Unwound => {
+                write!(
+                    f,
+                    " left {} by an exception or the end of its thread (pthread_exit): its process ended",
+                    self.doing
+                )?;
             }
             Cause::Exit(code) => {
                 let what = if self.instance.is_some() { "ended its process" } else { "ended" };
@@ -194,6 +203,7 @@ mod tests {
             message("plan", step, Some(12.34), Cause::Signal(9)),
             message("plan", step, Some(12.34), Cause::Signal(63)),
             message("plan", Doing::Load, None, Cause::Signal(6)),
+            message("plan", step, Some(12.34), Cause::Unwound),
             message("", Doing::BetweenCalls, Some(0.5), Cause::Exit(101)),
             message("plan", Doing::Call(Call::FreeInstance), Some(60.0), Cause::Exit(0)),
             message("plan", step, Some(12.34), Cause::Hung(10.0)),

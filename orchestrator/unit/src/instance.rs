@@ -15,7 +15,7 @@ use super::handles::Handles;
 use super::library::{DoStep, Functions, Get, Library, Set, StateFunctions};
 use super::logger::Registration;
 use crate::failure::{Cause, Doing, Failure};
-use crate::process_state::{fatal_if_unwound, floating_point, needs_look};
+use crate::process_state::{floating_point, look};
 use after_call::Warnings;
 use fmi2::c::{
     Boolean, CallbackFunctions, Component, FALSE, LAST_SUCCESSFUL_TIME, RawStatus, Status, TERMINATED, TRUE,
@@ -105,7 +105,7 @@ impl Instance {
     ///
     /// # Errors
     /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
-    #[inline]
+    #[inline(always)]
     pub fn set_real(&mut self, now: &Now<'_>, handles: &Handles, values: &[f64]) -> Result<(), Failure> {
         let set_real = self.set_real;
         self.values(now, Call::SetReal, handles.len(), values.len(), |_, component, count| {
@@ -142,7 +142,7 @@ impl Instance {
     ///
     /// # Errors
     /// The unit returns neither `fmi2OK` nor `fmi2Warning`.
-    #[inline]
+    #[inline(always)]
     pub fn get_real(&mut self, now: &Now<'_>, handles: &Handles, values: &mut [f64]) -> Result<(), Failure> {
         let get_real = self.get_real;
         self.values(now, Call::GetReal, handles.len(), values.len(), |_, component, count| {
@@ -218,7 +218,7 @@ impl Instance {
     ///
     /// # Errors
     /// The unit neither reaches the end of the step nor asks for the run to end.
-    #[inline]
+    #[inline(always)]
     pub fn do_step(&mut self, now: &Now<'_>, step_s: f64) -> Result<StepResult, Failure> {
         // No state before this time will be restored.
         self.step(now, step_s, TRUE)
@@ -232,22 +232,24 @@ impl Instance {
         self.step(now, step_s, FALSE)
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&mut self, now: &Now<'_>, step_s: f64, no_state_before: Boolean) -> Result<StepResult, Failure> {
         let do_step = self.do_step;
-        let status = self.raw(now, Call::DoStep, |_, component| {
+        let status = now.call(self.index, Doing::Call(Call::DoStep), || {
             // SAFETY: the arguments are plain numbers.
-            unsafe { do_step(component, now.time_s, step_s, no_state_before) }
+            unsafe { do_step(self.component, now.time_s, step_s, no_state_before) }
         });
-        if floating_point::has_changed() {
-            self.changed_by_step(now);
+        if status | look() == Status::Ok as RawStatus && !floating_point::acts_otherwise() {
+            Ok(StepResult::Done)
+        } else {
+            self.after_step(now, step_s, status)
         }
-        if status == Status::Ok as RawStatus { Ok(StepResult::Done) } else { self.after_step(now, step_s, status) }
     }
 
-    /// The result of a step that did not return `fmi2OK`.
+    /// The result of a step that did not return `fmi2OK`, or after which there is something to look at.
     #[cold]
     fn after_step(&mut self, now: &Now<'_>, step_s: f64, status: RawStatus) -> Result<StepResult, Failure> {
+        self.look_after(now, Call::DoStep);
         match Status::from_raw(status) {
             Some(Status::Discard) => self.discarded(now, step_s),
             Some(Status::Pending) => {
@@ -263,13 +265,13 @@ impl Instance {
         let mut terminated = FALSE;
         let mut reached_s = f64::NAN;
         if let Some(get_status) = self.rest.functions.get_boolean_status {
-            self.raw(now, Call::GetBooleanStatus, |_, component| {
+            self.unchecked(now, Call::GetBooleanStatus, |_, component| {
                 // SAFETY: the pointer is valid and has the type that belongs to this status kind.
                 unsafe { get_status(component, TERMINATED, &raw mut terminated) }
             });
         }
         if let Some(get_status) = self.rest.functions.get_real_status {
-            self.raw(now, Call::GetRealStatus, |_, component| {
+            self.unchecked(now, Call::GetRealStatus, |_, component| {
                 // SAFETY: the pointer is valid and has the type that belongs to this status kind.
                 unsafe { get_status(component, LAST_SUCCESSFUL_TIME, &raw mut reached_s) }
             });
@@ -286,7 +288,7 @@ impl Instance {
     }
 
     /// A call that gets or sets one value for each reference. Without references no call is made.
-    #[inline]
+    #[inline(always)]
     fn values(
         &mut self,
         now: &Now<'_>,
@@ -303,37 +305,31 @@ impl Instance {
     }
 
     /// A call whose status is checked.
-    #[inline]
+    #[inline(always)]
     fn checked(
         &mut self,
         now: &Now<'_>,
         call: Call,
         foreign: impl FnOnce(&Functions, Component) -> RawStatus,
     ) -> Result<(), Failure> {
-        let status = self.raw(now, call, foreign);
-        if status == Status::Ok as RawStatus { Ok(()) } else { self.check_status(now, call, status) }
+        let status = now.call(self.index, Doing::Call(call), || foreign(&self.rest.functions, self.component));
+        if status | look() == Status::Ok as RawStatus { Ok(()) } else { self.after_call(now, call, status) }
     }
 
-    /// A call that is noted on the board, with its status unchecked.
-    #[inline]
-    fn raw(
-        &mut self,
-        now: &Now<'_>,
-        call: Call,
-        foreign: impl FnOnce(&Functions, Component) -> RawStatus,
-    ) -> RawStatus {
-        let doing = Doing::Call(call);
-        now.enter(self.index, doing);
-        let Rest { functions, warnings, .. } = &*self.rest;
-        let status = fatal_if_unwound(|| warnings.unwound(now, doing), || foreign(functions, self.component));
-        if needs_look() {
-            self.look_after(now, doing);
-        }
-        status
-    }
-
-    /// Checks a status other than `fmi2OK`.
+    /// The result of a call that did not return `fmi2OK`, or after which there is something to look at.
     #[cold]
+    fn after_call(&mut self, now: &Now<'_>, call: Call, status: RawStatus) -> Result<(), Failure> {
+        self.look_after(now, call);
+        self.check_status(now, call, status)
+    }
+
+    /// A call whose status is of no account.
+    fn unchecked(&mut self, now: &Now<'_>, call: Call, foreign: impl FnOnce(&Functions, Component) -> RawStatus) {
+        now.call(self.index, Doing::Call(call), || foreign(&self.rest.functions, self.component));
+        self.look_after(now, call);
+    }
+
+    /// Checks a status.
     fn check_status(&mut self, now: &Now<'_>, call: Call, status: RawStatus) -> Result<(), Failure> {
         match Status::from_raw(status) {
             Some(Status::Ok) => return Ok(()),

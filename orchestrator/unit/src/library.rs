@@ -13,7 +13,7 @@ use super::error::{Refusal, UnitError};
 use super::handles::HandleTable;
 use super::variable_names::VariableNames;
 use crate::failure::Doing;
-use crate::process_state::{Changes, fatal_if_unwound, is_copy, notice_copies, preserved};
+use crate::process_state::{Changes, is_copy, notice_copies, preserved};
 use fmi2::c::Str;
 use fmi2::calls::Call;
 use fmi2::description::ModelDescription;
@@ -70,7 +70,6 @@ impl Library {
         notice_copies();
         conflicts::note_program();
         let now = note.at(0, 0.0);
-        now.enter(instance, Doing::Load);
         let open = || {
             // RTLD_NOW: a missing symbol is an error here, not a crash at its first use in the middle of a run.
             // RTLD_LOCAL: all units export the same symbols, and none may bind to those of another.
@@ -78,7 +77,7 @@ impl Library {
             // therefore runs units in a process that another one watches.
             unsafe { loader::Library::open(Some(&path), loader::RTLD_NOW | loader::RTLD_LOCAL) }
         };
-        let (opened, changes) = fatal_if_unwound(|| (), || preserved(open));
+        let (opened, changes) = now.call(instance, Doing::Load, || preserved(open));
         if is_copy() {
             note.end_copy(now.tick, instance, Doing::Load);
         }
@@ -202,9 +201,8 @@ fn check_version(functions: &Functions, path: &Path, note: &Note, instance: usiz
         (Call::GetTypesPlatform, functions.get_types_platform, "default"),
     ] {
         let now = note.at(0, 0.0);
-        now.enter(instance, Doing::Call(call));
         // SAFETY: the standard allows this call at any time; the function returns a constant of the library.
-        let found = fatal_if_unwound(|| (), || unsafe { read_text(function()) });
+        let found = now.call(instance, Doing::Call(call), || unsafe { read_text(function()) });
         drop(now);
         if found != expected {
             let (library, function) = (path.to_path_buf(), call.name());

@@ -98,7 +98,7 @@ mod tests {
         let hang_monitor = HangMonitor::new(&boards, Some(LIMIT));
         let notes = boards.each_ref().map(|board| board.note(0));
         let calls = notes.each_ref().map(|note| note.at(7, 0.007));
-        calls.iter().enumerate().for_each(|(index, now)| now.enter(index, Doing::Call(Call::DoStep)));
+        calls.iter().enumerate().for_each(|(index, now)| now.call(index, Doing::Call(Call::DoStep), || ()));
         let beat = || boards.iter().for_each(|board| board.beat());
         assert_eq!(first_finding(&hang_monitor, 0, beat), Some((11, Cause::Hung(0.5))));
         assert_eq!(first_finding(&hang_monitor, 1, beat), Some((1, Cause::Hung(0.5))), "it was checked all the time");

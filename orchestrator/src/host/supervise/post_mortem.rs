@@ -16,6 +16,7 @@ pub fn failure(call: Option<InCall>, tick: u64, scenario: &Scenario, cause: Caus
     };
     let instance = scenario.instances.get(call.instance).map(|instance| instance.name.clone());
     let time_s = if call.doing == Doing::Load { None } else { time_s(call.tick) };
+    let cause = if call.unwound { Cause::Unwound } else { cause };
     Failure { instance, doing: call.doing, time_s, cause }
 }
 
@@ -37,21 +38,21 @@ mod tests {
 
     #[test]
     fn a_process_that_dies_in_a_call_breaks_that_instance() {
-        let call = InCall { tick: 1234, instance: 0, doing: Doing::Call(Call::DoStep), count: 99 };
+        let call = InCall { tick: 1234, instance: 0, doing: Doing::Call(Call::DoStep), unwound: false, count: 99 };
         let failure = failure(Some(call), 1233, &scenario(), cause_of_death(ExitStatus::from_raw(11)));
         assert_eq!(failure.to_string(), "`quad` died of signal 11 (SIGSEGV) in fmi2DoStep at 12.34 s");
     }
 
     #[test]
     fn an_exit_without_a_reported_end_is_a_failure_even_with_code_0() {
-        let call = InCall { tick: 0, instance: 0, doing: Doing::Load, count: 1 };
+        let call = InCall { tick: 0, instance: 0, doing: Doing::Load, unwound: false, count: 1 };
         let failure = failure(Some(call), 0, &scenario(), cause_of_death(ExitStatus::from_raw(0)));
         assert_eq!(failure.to_string(), "`quad` ended its process (exit code 0) in the loading of its library");
     }
 
     #[test]
     fn a_note_that_memory_corruption_wrote_names_no_instance() {
-        let call = InCall { tick: 7, instance: 5_000_000, doing: Doing::Call(Call::DoStep), count: 1 };
+        let call = InCall { tick: 7, instance: 5_000_000, doing: Doing::Call(Call::DoStep), unwound: false, count: 1 };
         let failure = failure(Some(call), 7, &scenario(), Cause::Signal(6));
         assert_eq!(failure.instance, None);
     }

@@ -98,7 +98,7 @@ fn rows_and_the_call_of_a_process_that_died_are_there() {
     run.rows(3);
     let note = run.board.note(0);
     let now = note.at(2, 0.02);
-    now.enter(0, Doing::Call(Call::DoStep));
+    now.call(0, Doing::Call(Call::DoStep), || ());
     let (ended, _) = run.concluded(DIED_OF_SIGSEGV);
     let failure = ended.failure.unwrap().to_string();
     assert_eq!(failure, "`quad` died of signal 11 (SIGSEGV) in fmi2DoStep at 0.02 s");

@@ -34,6 +34,8 @@ pub struct InProcess {
     step_ns: u64,
     /// The instances, by group and then in the script's order.
     held: Vec<HeldInstance>,
+    /// For each instance of the run its place in `held`, if it is with this worker.
+    places: Vec<Option<usize>>,
     /// For each group of the run; the range of a group of another worker is empty.
     groups: Vec<GroupSteps>,
     /// The start values by the index of their instance, until initialization ends.
@@ -100,13 +102,14 @@ impl InProcess {
             waiting[made.index] = Some(made.instance);
             start_values.insert(made.index, made.start_values);
         }
-        let mut held = Vec::new();
+        let (mut held, mut places) = (Vec::new(), vec![None; ports.len()]);
         let mut group = |group: &Group| {
             let first = held.len();
             for &index in &group.instances {
                 if let Some(instance) = waiting[index].take() {
                     let InstancePorts { inputs, outputs, .. } = &ports[index];
                     let (inputs, outputs) = (Calls::new(&instance, inputs), Calls::new(&instance, outputs));
+                    places[index] = Some(held.len());
                     held.push(HeldInstance { instance, inputs, outputs, index, failed: false });
                 }
             }
@@ -114,7 +117,7 @@ impl InProcess {
             GroupSteps { held: first..held.len(), every: group.every, step_s, lost: None, terminated: Vec::new() }
         };
         let groups = groups.iter().map(&mut group).collect();
-        Self { note, start_tick, step_ns, held, groups, start_values, steps: false }
+        Self { note, start_tick, step_ns, held, places, groups, start_values, steps: false }
     }
 }
 
@@ -125,9 +128,9 @@ fn in_order(held: &mut [HeldInstance]) -> Vec<&mut HeldInstance> {
     held
 }
 
-fn find(held: &mut [HeldInstance], index: usize) -> &mut HeldInstance {
-    let held = held.iter_mut().find(|held| held.index == index);
-    held.unwrap_or_else(|| unreachable!("instance {index} is not with this worker"))
+fn find<'h>(held: &'h mut [HeldInstance], places: &[Option<usize>], index: usize) -> &'h mut HeldInstance {
+    let place = places[index].unwrap_or_else(|| unreachable!("instance {index} is not with this worker"));
+    &mut held[place]
 }
 
 impl Worker for InProcess {
@@ -136,13 +139,13 @@ impl Worker for InProcess {
             start_values.are_replaced(slots);
         }
         let now = at_start(&self.note, self.start_tick, self.step_ns);
-        let held = find(&mut self.held, instance);
+        let held = find(&mut self.held, &self.places, instance);
         set_slots(&mut held.instance, &now, slots, inputs).map_err(|failure| held.lose(failure))
     }
 
     fn get_initial(&mut self, instance: usize, slots: &[VariableSlot], outputs: &mut Values) -> Result<(), Lost> {
         let now = at_start(&self.note, self.start_tick, self.step_ns);
-        let held = find(&mut self.held, instance);
+        let held = find(&mut self.held, &self.places, instance);
         get_slots(&mut held.instance, &now, slots, outputs).map_err(|failure| held.lose(failure))
     }
 
@@ -214,7 +217,7 @@ impl Worker for InProcess {
     fn restore(&mut self, tick: u64, states: &[(usize, &[u8])]) -> Result<(), Lost> {
         let now = self.note.at(tick, seconds(tick, self.step_ns));
         for &(index, state) in states {
-            let held = find(&mut self.held, index);
+            let held = find(&mut self.held, &self.places, index);
             held.instance.restore(&now, state).map_err(|failure| held.lose(failure))?;
         }
         Ok(())
@@ -267,8 +270,8 @@ impl InProcess {
     /// Whether an instance has all of these variables: a request from another process may name others.
     #[must_use]
     pub fn has_variables(&self, instance: usize, slots: &[VariableSlot]) -> bool {
-        let held = self.held.iter().find(|held| held.index == instance);
-        held.is_some_and(|held| held.instance.handles(slots.iter().map(|slot| slot.variable)).is_some())
+        let place = self.places.get(instance).copied().flatten();
+        place.is_some_and(|at| self.held[at].instance.handles(slots.iter().map(|slot| slot.variable)).is_some())
     }
 }
 
@@ -295,7 +298,7 @@ impl HeldInstance {
         if others.is_some() { self.set_others(now, inputs) } else { Ok(()) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn get(&mut self, now: &Now<'_>, outputs: &mut Values) -> Result<(), Failure> {
         let Calls { reals, others } = &self.outputs;
         if !reals.handles.is_empty() {

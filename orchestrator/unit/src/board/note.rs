@@ -8,10 +8,11 @@ use super::mapping::Mapping;
 use crate::exit;
 use crate::failure::Doing;
 use fmi2::calls::Call;
-use std::fmt;
+use std::process::abort;
 use std::ptr::NonNull;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::{fmt, mem, thread};
 
 /// Words of one note: a cache line, so that threads which write neighbouring notes do not share one (false sharing).
 pub(super) const NOTE_WORDS: usize = 8;
@@ -26,6 +27,8 @@ const COPIED_AT: usize = 4;
 const COPIED_TICK_AT: usize = 5;
 
 const OUTSIDE: u64 = 0;
+/// Beside instance and call: an exception, or the end of the thread, has left the call.
+const UNWOUND: u64 = 1 << 63;
 /// The code of [`Doing::Load`]; calls have their own numbers.
 const LOADING: u64 = 255;
 
@@ -38,6 +41,8 @@ pub struct InCall {
     pub instance: usize,
     /// The call.
     pub doing: Doing,
+    /// Whether an exception, or the end of the thread, has left the call. The process ends.
+    pub unwound: bool,
     /// How many batches the thread has begun. As long as no field of this struct changes, the thread is in the same
     /// call.
     pub count: u64,
@@ -78,7 +83,7 @@ impl Note {
     #[inline]
     pub fn counting_at(&self, tick: u64, time_s: f64, counts_at: u64) -> Now<'_> {
         let words = self.words();
-        // Relaxed is enough: `Now::enter` publishes these with a release store before any call is visible to a reader.
+        // Relaxed is enough: `Now::call` publishes these with a release store before any call is visible to a reader.
         words[TICK_AT].store(tick, Ordering::Relaxed);
         words[COUNTS_AT].store(counts_at, Ordering::Relaxed);
         let count = words[COUNT_AT].load(Ordering::Relaxed);
@@ -91,7 +96,7 @@ impl Note {
     /// If the thread continues meanwhile, tick and count may already be those of a later batch.
     #[must_use]
     pub fn read(&self) -> Option<InCall> {
-        // Pairs with the release in `Now::enter`: tick and count are those of this call or later ones, never earlier.
+        // Pairs with the release in `Now::call`: tick and count are those of this call or later ones, never earlier.
         self.call_at(DOING_AT, TICK_AT)
     }
 
@@ -115,8 +120,9 @@ impl Note {
         let packed = words[packed_at].load(Ordering::Acquire);
         Some(InCall {
             tick: words[tick_at].load(Ordering::Relaxed),
-            instance: usize::try_from(packed >> 8).ok()?,
+            instance: usize::try_from((packed & !UNWOUND) >> 8).ok()?,
             doing: decode(packed & 0xff)?,
+            unwound: packed & UNWOUND != 0,
             count: words[COUNT_AT].load(Ordering::Relaxed),
         })
     }
@@ -150,10 +156,36 @@ pub struct Now<'a> {
 }
 
 impl Now<'_> {
-    /// Notes that a call begins.
+    /// Makes a call of foreign code and notes it. If an exception or the end of the thread leaves the call, this is noted too
+    /// and the process ends: no frame of this program may be unwound by either.
     #[inline]
-    pub fn enter(&self, instance: usize, doing: Doing) {
+    pub fn call<T>(&self, instance: usize, doing: Doing, foreign: impl FnOnce() -> T) -> T {
         self.words[DOING_AT].store(packed(instance, doing), Ordering::Release);
+        let guard = UnwindGuard(self.words);
+        let result = foreign();
+        mem::forget(guard);
+        result
+    }
+}
+
+/// Dropped only by unwinding.
+struct UnwindGuard<'a>(&'a [AtomicU64; NOTE_WORDS]);
+
+impl Drop for UnwindGuard<'_> {
+    /// Small enough to be inlined, so that the address stays in a register during a call.
+    #[inline(always)]
+    fn drop(&mut self) {
+        end_unwound(self.0);
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn end_unwound(words: &[AtomicU64; NOTE_WORDS]) {
+    // A panic is a mistake of this program, which its hook has reported.
+    if !thread::panicking() {
+        words[DOING_AT].fetch_or(UNWOUND, Ordering::Release);
+        abort();
     }
 }
 

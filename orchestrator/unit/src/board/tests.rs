@@ -56,23 +56,23 @@ fn a_note_holds_the_call_in_progress_and_nothing_between_calls() {
     assert_eq!(reader.read(), None);
     let now = writer.at(7, 0.07);
     assert_eq!(reader.read(), None);
-    now.enter(4, Doing::Call(Call::SetReal));
-    now.enter(300, Doing::Call(Call::DoStep));
-    let in_call = InCall { tick: 7, instance: 300, doing: Doing::Call(Call::DoStep), count: 1 };
+    now.call(4, Doing::Call(Call::SetReal), || ());
+    now.call(300, Doing::Call(Call::DoStep), || ());
+    let in_call = InCall { tick: 7, instance: 300, doing: Doing::Call(Call::DoStep), unwound: false, count: 1 };
     assert_eq!(reader.read(), Some(in_call));
     assert_eq!(parent.note(0).read(), None);
     drop(now);
     assert_eq!((reader.read(), reader.tick()), (None, 7));
     let now = writer.at(8, 0.08);
-    now.enter(0, Doing::Load);
-    assert_eq!(reader.read(), Some(InCall { tick: 8, instance: 0, doing: Doing::Load, count: 2 }));
+    now.call(0, Doing::Load, || ());
+    assert_eq!(reader.read(), Some(InCall { tick: 8, instance: 0, doing: Doing::Load, unwound: false, count: 2 }));
 }
 
 #[test]
 fn a_note_outlives_the_board_that_it_was_taken_from() {
     let note = Board::private(&LAYOUT).unwrap().note(0);
     let now = note.at(1, 0.01);
-    now.enter(2, Doing::Load);
+    now.call(2, Doing::Load, || ());
     assert_eq!(note.read().map(|in_call| in_call.instance), Some(2));
 }
 

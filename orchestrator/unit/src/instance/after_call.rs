@@ -4,8 +4,7 @@ use super::Instance;
 use crate::board::Now;
 use crate::failure::Doing;
 use crate::logger::{LogMessage, LogSink};
-use crate::process_state::{Changes, is_copy, restored_floating_point};
-use fmi2::c::{RawStatus, Status};
+use crate::process_state::{Changes, compares_each_call, is_copy, restored_floating_point};
 use fmi2::calls::Call;
 use std::fmt::Display;
 
@@ -54,13 +53,6 @@ impl Warnings {
         }
     }
 
-    /// An exception or the end of the thread leaves a call, and the process ends.
-    pub fn unwound(&self, now: &Now<'_>, doing: Doing) {
-        let text = format!("an exception or the end of its thread (pthread_exit) left {doing}, so its process ends");
-        let warning = LogMessage::warning(self.index, (now.tick, now.counts_at), text);
-        (self.sink)(LogMessage { status: Status::Error as RawStatus, ..warning });
-    }
-
     /// Something changed the process and was restored. All of floating-point control counts as one kind.
     pub fn changed(&mut self, now: &Now<'_>, by: impl Display, changes: Changes) {
         self.changed_at((now.tick, now.counts_at), by, changes);
@@ -98,26 +90,27 @@ impl Warnings {
 }
 
 impl Instance {
-    /// Every call is compared, or this is a copy of the process.
-    #[cold]
-    pub(super) fn look_after(&mut self, now: &Now<'_>, doing: Doing) {
+    /// Ends a copy of the process in which a call returned too, and compares floating-point control after a step or, if every
+    /// call is compared, after any call. Where only steps are compared, a call that set values for the step may be the one that
+    /// changed it; from then on every call is compared, so that the next change is that of a known call.
+    pub(super) fn look_after(&mut self, now: &Now<'_>, call: Call) {
+        let doing = Doing::Call(call);
         if is_copy() {
             self.rest.note.end_copy(now.tick, self.index, doing);
         }
-        let changes = restored_floating_point();
-        if changes != Changes::NONE {
-            self.rest.warnings.floating_point(now, doing, changes);
-        } else if doing == Doing::Call(Call::DoStep) {
-            self.rest.warnings.unrepeated();
+        let compares_each_call = compares_each_call();
+        if !compares_each_call && call != Call::DoStep {
+            return;
         }
-    }
-
-    /// A step, or a call that set values for it, has changed floating-point control. From now on every call is compared,
-    /// so that the next change is that of a known call.
-    #[cold]
-    pub(super) fn changed_by_step(&mut self, now: &Now<'_>) {
-        let changes = restored_floating_point();
-        self.rest.warnings.unnamed = Some(Unnamed { tick: now.tick, counts_at: now.counts_at, changes });
+        let (warnings, changes) = (&mut self.rest.warnings, restored_floating_point());
+        match (changes != Changes::NONE, compares_each_call) {
+            (true, true) => warnings.floating_point(now, doing, changes),
+            (true, false) => {
+                warnings.unnamed = Some(Unnamed { tick: now.tick, counts_at: now.counts_at, changes });
+            }
+            (false, _) if call == Call::DoStep => warnings.unrepeated(),
+            (false, _) => {}
+        }
     }
 
     /// Whether a change of floating-point control by this instance was reported.

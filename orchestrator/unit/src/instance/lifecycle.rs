@@ -7,7 +7,7 @@ use crate::call_log::{CallLog, CallWriter, Calls};
 use crate::failure::{Cause, Doing, Failure};
 use crate::library::{Functions, Library};
 use crate::logger::{Environment, LOGGER, LogSink, Registration};
-use crate::process_state::{fatal_if_unwound, is_copy, preserved};
+use crate::process_state::{is_copy, preserved};
 use fmi2::c::{Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, RawStatus};
 use fmi2::calls::Call;
 use std::ffi::{CStr, CString};
@@ -55,14 +55,13 @@ impl Instance {
         let call_writer = calls.map(|log| CallWriter { log, note: note.clone(), names: Arc::clone(&library.names) });
         let now = note.at(0, 0.0);
         let doing = Doing::Call(Call::Instantiate);
-        now.enter(index, doing);
         if let Some(call_writer) = &call_writer {
             call_writer.begin(Call::Instantiate, || format!("{name:?}, loggingOn = {logging_on}"));
         }
         let mut warnings = Warnings::new(index, sink);
         library.report_changes(|by, changes| warnings.changed(&now, by, changes));
-        let foreign = || preserved(|| call_instantiate(library, &c_name, &callbacks, logging_on));
-        let (component, changes) = fatal_if_unwound(|| warnings.unwound(&now, doing), foreign);
+        let foreign = || call_instantiate(library, &c_name, &callbacks, logging_on);
+        let (component, changes) = now.call(index, doing, || preserved(foreign));
         if is_copy() {
             note.end_copy(now.tick, index, doing);
         }
@@ -216,11 +215,9 @@ impl Drop for Instance {
         }
         let note = self.rest.note.clone();
         let (now, doing) = (note.at(note.tick(), f64::NAN), Doing::Call(Call::FreeInstance));
-        now.enter(self.index, doing);
-        let Rest { functions, warnings, .. } = &*self.rest;
         // SAFETY: the component is this library's, and it is not used after this call.
-        let free = || unsafe { (functions.free_instance)(self.component) };
-        let ((), changes) = fatal_if_unwound(|| warnings.unwound(&now, doing), || preserved(free));
+        let free = || unsafe { (self.rest.functions.free_instance)(self.component) };
+        let ((), changes) = now.call(self.index, doing, || preserved(free));
         if is_copy() {
             note.end_copy(now.tick, self.index, doing);
         }

@@ -1,37 +1,44 @@
 //! What has to be looked at after every call: one word, so that a call usually costs one load more.
 
+use fmi2::c::RawStatus;
 use std::sync::Once;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 
 /// Floating-point control is compared after every call, not only after each step.
-const EACH_CALL: u8 = 1;
+const EACH_CALL: RawStatus = 1;
 /// This process is a copy (`fork`) of one that has loaded units.
-const COPY: u8 = 2;
-/// A call has changed floating-point control before.
-const CHANGED: u8 = 4;
+const COPY: RawStatus = 2;
 
 /// Until the first step every call is compared.
-static LOOK: AtomicU8 = AtomicU8::new(EACH_CALL);
+static LOOK: AtomicI32 = AtomicI32::new(EACH_CALL);
+/// Whether a call has changed floating-point control.
+static CHANGED: AtomicBool = AtomicBool::new(false);
 
-/// Whether something has to be looked at after a call.
+/// Not zero if something has to be looked at after a call; of the type of a status, so that both are checked at once.
 #[inline]
-pub(crate) fn needs_look() -> bool {
-    LOOK.load(Ordering::Relaxed) & (EACH_CALL | COPY) != 0
+pub(crate) fn look() -> RawStatus {
+    LOOK.load(Ordering::Relaxed)
 }
 
 /// Whether this process is a copy, in which a call has returned a second time.
 pub(crate) fn is_copy() -> bool {
-    LOOK.load(Ordering::Relaxed) & COPY != 0
+    look() & COPY != 0
+}
+
+/// Whether floating-point control is compared after every call.
+pub(crate) fn compares_each_call() -> bool {
+    look() & EACH_CALL != 0
 }
 
 /// A call has changed floating-point control: from now on every call is compared.
 pub(crate) fn compare_each_call() {
-    LOOK.fetch_or(EACH_CALL | CHANGED, Ordering::Relaxed);
+    CHANGED.store(true, Ordering::Relaxed);
+    LOOK.fetch_or(EACH_CALL, Ordering::Relaxed);
 }
 
 /// The first step is next: unless a call has changed floating-point control before, it is compared after each step only.
 pub fn compare_each_step() {
-    if LOOK.load(Ordering::Relaxed) & CHANGED == 0 {
+    if !CHANGED.load(Ordering::Relaxed) {
         LOOK.fetch_and(!EACH_CALL, Ordering::Relaxed);
     }
 }

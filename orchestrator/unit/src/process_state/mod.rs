@@ -5,12 +5,10 @@
 mod changes;
 pub(crate) mod floating_point;
 mod look;
-mod unwinding;
 
 pub use changes::Changes;
 pub use look::compare_each_step;
-pub(crate) use look::{compare_each_call, is_copy, needs_look, notice_copies};
-pub(crate) use unwinding::fatal_if_unwound;
+pub(crate) use look::{compare_each_call, compares_each_call, is_copy, look, notice_copies};
 
 use std::env;
 use std::ffi::{CStr, CString};
