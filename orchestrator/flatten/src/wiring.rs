@@ -41,7 +41,7 @@ pub struct Plan {
     pub stop_tick: u64,
     /// The instances in the script's order.
     pub ports: Vec<InstancePorts>,
-    /// The names of the instances and their Real outputs in messages.
+    /// The names of the instances and their outputs in messages.
     pub names: Vec<Names>,
     /// Instances that step and deliver together, by wave.
     pub groups: Vec<Group>,
@@ -94,6 +94,8 @@ pub struct Names {
     pub instance: String,
     /// The names of its Real outputs, in the order of [`InstancePorts::outputs`].
     pub reals: Vec<String>,
+    /// Those of its Integer, Boolean and String outputs.
+    pub others: [Vec<String>; 3],
 }
 
 impl Plan {
@@ -197,8 +199,12 @@ fn used(shared: &[Program], feeds: &[Feed]) -> Vec<usize> {
 fn names(scenario: &Scenario, descriptions: &[&ModelDescription], ports: &[InstancePorts]) -> Vec<Names> {
     let names_of =
         |((instance, description), ports): ((&dsl::scenario::Instance, &&ModelDescription), &InstancePorts)| {
-            let name = |&variable: &usize| description.variables[variable].name.clone();
-            Names { instance: instance.name.clone(), reals: ports.outputs.reals.variables.iter().map(name).collect() }
+            let names = |range: &VariableRange| -> Vec<_> {
+                range.variables.iter().map(|&variable| description.variables[variable].name.clone()).collect()
+            };
+            let Ports { reals, integers, booleans, texts } = &ports.outputs;
+            let (reals, others) = (names(reals), [integers, booleans, texts].map(names));
+            Names { instance: instance.name.clone(), reals, others }
         };
     scenario.instances.iter().zip(descriptions).zip(ports).map(names_of).collect()
 }

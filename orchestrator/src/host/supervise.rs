@@ -234,17 +234,29 @@ impl<'a, W: Write> Supervision<'a, W> {
         Ok(())
     }
 
-    /// Writes the checkpoints of a tick.
+    /// Writes the checkpoints of a tick; those that are stored a second time have the rows that followed.
     fn store(&mut self, tick: u64) -> Result<(), TraceError> {
         let Some(save) = self.spec.saves.iter().find(|save| save.tick == tick) else { return Ok(()) };
-        let checkpoint = fs::read(&save.file).map_err(TraceError::io("read", &save.file))?;
+        let again = self.kept.contains(&tick);
+        // The stepping process may replace the file at any time.
+        let taken = save.file.with_extension("taken");
+        match fs::rename(&save.file, &taken) {
+            // What was taken for the first time had the rows already.
+            Err(error) if again && error.kind() == io::ErrorKind::NotFound => return Ok(()),
+            moved => moved.map_err(TraceError::io("rename", &save.file))?,
+        }
+        let checkpoint = fs::read(&taken).map_err(TraceError::io("read", &taken))?;
         for file in self.saving.files_at(tick) {
             self.saving.write(file, &checkpoint)?;
-            let time = shortest_decimal(seconds(tick, self.spec.scenario.step_ns));
-            self.console.say(&format!("saved {} at {time} s", printable::path(file)));
+            if !again {
+                let time = shortest_decimal(seconds(tick, self.spec.scenario.step_ns));
+                self.console.say(&format!("saved {} at {time} s", printable::path(file)));
+            }
         }
-        self.kept.push(tick);
-        fs::remove_file(&save.file).map_err(TraceError::io("remove", &save.file))
+        if !again {
+            self.kept.push(tick);
+        }
+        fs::remove_file(&taken).map_err(TraceError::io("remove", &taken))
     }
 
     /// A file cannot be written, so the run ends; rows that wait to be written to others are, as far as that can be.

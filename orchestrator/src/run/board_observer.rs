@@ -53,7 +53,9 @@ impl Observer for BoardObserver<'_> {
     fn checkpoint(&mut self, checkpoint: &Checkpoint) -> Result<(), String> {
         let bytes = postcard::to_stdvec(checkpoint).map_err(|error| format!("cannot encode a checkpoint: {error}"))?;
         for save in self.saves.iter().filter(|save| save.tick == checkpoint.tick) {
-            let written = std::fs::write(&save.file, &bytes);
+            // Renamed when it is complete: the parent may read an earlier one meanwhile.
+            let partial = save.file.with_extension("partial");
+            let written = std::fs::write(&partial, &bytes).and_then(|()| std::fs::rename(&partial, &save.file));
             written.map_err(|error| format!("cannot write {}: {error}", printable::path(&save.file)))?;
         }
         message(self.board, &Message::Saved(checkpoint.tick));

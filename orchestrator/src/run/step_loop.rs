@@ -6,6 +6,7 @@
 mod checkpoint;
 mod gather;
 mod initialise;
+mod next_rows;
 mod observer;
 mod state;
 
@@ -48,6 +49,8 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     pub fn run(&mut self, from: Option<&Checkpoint>) -> Result<Finish, Failure> {
         let restored = self.initialise().and_then(|()| from.map_or(Ok(()), |checkpoint| self.restore(checkpoint)));
         let ended = restored.and_then(|()| self.ticks());
+        let stored = self.store_next_rows(|_| true);
+        let ended = ended.and_then(|finish| stored.map(|()| finish));
         let completeness = match &ended {
             Ok(Finish { reason: Reason::StopTime | Reason::Terminated(_), .. }) => Completeness::Complete,
             _ => Completeness::CutOff,
@@ -66,6 +69,9 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             self.observer.reached(tick);
             if let Some(finish) = self.gather(tick)? {
                 return Ok(finish);
+            }
+            if self.state.next_rows.are_due() {
+                self.take_next_row(tick)?;
             }
             self.judge(tick, time_s);
             if let Some(reason) = self.reason_to_end(tick) {

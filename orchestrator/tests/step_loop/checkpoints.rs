@@ -1,6 +1,8 @@
 //! Runs that are saved and continued, seen through fake units.
 
-use crate::fake::{Answer, P, Ran, Script, U, V, Y, answering, counter, description, port, repeater, signal, unit};
+use crate::fake::{
+    Answer, Fake, P, Ran, Script, Step, U, V, Y, answering, counter, description, port, repeater, signal, unit,
+};
 use crate::{TIME, number};
 use dsl::scenario::{BooleanExpression, Formula, Margin, RealExpression, TickWindow};
 use orchestrator::run::message::Reason;
@@ -103,6 +105,54 @@ fn a_unit_that_is_done_within_a_slow_step_ends_the_continued_run_too() {
         assert_eq!(reason, Ok(&Reason::Terminated(0)));
         continues(&whole, &script().from(&whole.checkpoints[0]).run(), 2);
     }
+}
+
+/// A unit that saves how many steps it has done and forgets something else from a tick on.
+fn forgetful(from: u64) -> Fake {
+    let mut steps_here = 0.0;
+    let y = move |step: &Step| {
+        steps_here += 1.0;
+        if step.tick >= from { steps_here } else { 0.0 }
+    };
+    unit(1, 0, y)
+}
+
+#[test]
+fn a_unit_that_does_not_come_back_as_it_was_saved_breaks_the_run() {
+    let script = |from| {
+        let follower = repeater(1, 1);
+        let mut script = Script::new(vec![follower, forgetful(from)]).connect(1, 0, true).record(&[(0, Y), (1, Y)]);
+        script.scenario.stop_tick = 20;
+        script
+    };
+    // The step under way when the run was saved is part of the checkpoint.
+    for (from, at) in [(0, 7.0), (9, 10.0)] {
+        let saved = script(from).saving([5]).run();
+        let continued = script(from).from(&saved.checkpoints[0]).run();
+        let failure = continued.result.unwrap_err();
+        assert_eq!(
+            (failure.instance.as_deref(), failure.time_s),
+            (Some("b"), Some(at)),
+            "the source, not its follower"
+        );
+        let text = failure.to_string();
+        assert!(text.starts_with("`b` did not come back as it was saved: y is "), "{text}");
+        assert_eq!(continued.rows.len() as f64, at - 6.0, "no row with wrong values is recorded");
+    }
+}
+
+#[test]
+fn a_checkpoint_keeps_rows_until_the_run_ends_and_twice_the_longest_period() {
+    let rows = |stop, every| {
+        let mut script = Script::new(vec![counter(1, 0), counter(every, 0)]).record(&[(0, Y)]);
+        script.scenario.stop_tick = stop;
+        let saved = script.saving([5]).run();
+        let bytes = postcard::to_stdvec(&saved.checkpoints).unwrap().len();
+        (saved.checkpoints.len(), bytes)
+    };
+    let [short, long, slow] = [rows(8, 1), rows(40, 1), rows(60, 20)];
+    assert_eq!([short.0, long.0, slow.0], [1; 3], "a checkpoint is replaced by that with rows");
+    assert!(short.1 < long.1 && long.1 < slow.1, "{short:?} {long:?} {slow:?}");
 }
 
 #[test]

@@ -1,5 +1,9 @@
 //! Units made of closures, behind the worker's trait, and a builder of scripts.
 
+mod description;
+
+pub use description::description;
+
 use dsl::scenario::{
     Column, Connection, Drive, Event, Formula, InitialStep, Instance, Port, RealExpression, Scenario, Set, TickWindow,
     Unit,
@@ -7,7 +11,6 @@ use dsl::scenario::{
 use flatten::values::Values;
 use flatten::wiring::{InputLimits, InstancePorts, Plan, VariableSlot};
 use fmi2::calls::Call;
-use fmi2::description::{Causality, Kind, ModelDescription, RealAttributes, RealVariable, Variability, Variable};
 use orchestrator::run::message::Finish;
 use orchestrator::run::run_options::RunOptions;
 use orchestrator::run::step_loop::{Checkpoint, Observer, StepLoop};
@@ -230,7 +233,10 @@ impl Observer for &mut Seen {
         self.saves.contains(&tick)
     }
     fn checkpoint(&mut self, checkpoint: &Checkpoint) -> Result<(), String> {
-        self.checkpoints.push(checkpoint.clone());
+        match self.checkpoints.iter_mut().find(|stored| stored.tick == checkpoint.tick) {
+            Some(stored) => stored.clone_from(checkpoint),
+            None => self.checkpoints.push(checkpoint.clone()),
+        }
         Ok(())
     }
     fn missed_limits(&mut self, _: &InputLimits, _: f64, _: u64) {}
@@ -378,23 +384,4 @@ impl Worker for FakeWorker {
     fn finish(&mut self, _: u64, _: Shutdown) -> Result<(), Lost> {
         Ok(())
     }
-}
-
-pub fn description() -> ModelDescription {
-    let variable = |(reference, (name, causality, start)): (u32, (&str, Causality, Option<f64>))| Variable {
-        position: Default::default(),
-        name: name.to_owned(),
-        value_reference: reference,
-        description: None,
-        causality,
-        variability: Variability::Continuous,
-        initial: None,
-        can_handle_multiple_set_per_time_instant: None,
-        annotations: Vec::new(),
-        declared_type: None,
-        kind: Kind::Real(RealVariable { start, attributes: RealAttributes::default(), ..RealVariable::default() }),
-    };
-    let inputs = [("u", Causality::Input, Some(0.5)), ("v", Causality::Input, Some(0.25))];
-    let variables = [inputs[0], inputs[1], ("p", Causality::Parameter, Some(7.0)), ("y", Causality::Output, None)];
-    ModelDescription { variables: (0..).zip(variables).map(variable).collect(), ..ModelDescription::default() }
 }

@@ -50,6 +50,8 @@ pub enum Cause {
     Copied,
     /// The process has been stopped (`SIGSTOP`) for this many seconds.
     Stopped(f64),
+    /// An output is another one than in the run that saved the instance: its name and both values.
+    NotRestored(String),
     /// A variable got a value that is not a finite number.
     NonFinite {
         /// The variable.
@@ -84,6 +86,13 @@ impl Failure {
         Self { instance: Some(instance), doing, time_s: Some(time_s), cause }
     }
 
+    /// An instance has other outputs than in the run that saved it; `change` names the first, with both values.
+    #[must_use]
+    pub fn not_restored(instance: String, time_s: f64, change: String) -> Self {
+        let (doing, cause) = (Doing::BetweenCalls, Cause::NotRestored(change));
+        Self { instance: Some(instance), doing, time_s: Some(time_s), cause }
+    }
+
     /// A failure that is not about a unit.
     #[must_use]
     pub fn between_calls(time_s: f64, text: String) -> Self {
@@ -104,6 +113,9 @@ impl Failure {
                 Some(format!("--step-timeout {}s waits longer, --step-timeout 0 for ever", (limit_s * 6.0).ceil()))
             }
             (Cause::Stopped(_), _) => Some("--step-timeout 0 waits for ever, for a debugger".to_owned()),
+            (Cause::NotRestored(_), _) => {
+                Some("the state that the unit saves is incomplete: run from the start, without --from".to_owned())
+            }
             (Cause::Signal(9), _) => Some("the system ends a process like this when memory runs out".to_owned()),
             (Cause::Status(_) | Cause::NoInstance, _) => {
                 Some("the unit's own messages, if it had any, are above".to_owned())
@@ -167,6 +179,7 @@ impl fmt::Display for Failure {
                 let what = if self.instance.is_some() { ": its process has been" } else { " has been" };
                 write!(f, "{what} stopped (SIGSTOP) for {limit_s} s, {place},")?;
             }
+            Cause::NotRestored(change) => write!(f, " did not come back as it was saved: {change},")?,
             Cause::NonFinite { variable, value } => write!(f, ": `{variable}` is {value}")?,
             Cause::Other(text) => {
                 let comma = if self.time_s.is_some() { "," } else { "" };

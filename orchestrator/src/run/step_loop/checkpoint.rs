@@ -3,6 +3,7 @@
 //! Everything is kept by instance in the script's order and by port in the ports's order, never by place or group, so that
 //! a run can continue in other workers than it was saved in.
 
+use super::next_rows::Row;
 use super::{CarriedState, Observer, StepLoop, UnderWay};
 use crate::run::worker::{Reply, Terminated};
 use dsl::scenario::Scenario;
@@ -21,6 +22,8 @@ pub struct Checkpoint {
     /// The instances in the script's order.
     instances: Vec<SavedInstance>,
     carried: CarriedState,
+    /// The rows that followed, as far as they were known when this was stored.
+    pub(super) next: Vec<Row>,
 }
 
 /// One instance.
@@ -76,12 +79,16 @@ impl Checkpoint {
             let itself = |result: &EarlyResult| result.terminated.is_none_or(|unit| unit.instance == instance);
             self.instances[instance].fits(&plan.ports[instance]) && early.as_ref().is_none_or(itself)
         };
+        let row_fits = |row: &Row| {
+            row.len() == plan.ports.len() && plan.ports.iter().zip(row).all(|(ports, values)| ports.outputs.fit(values))
+        };
         let is_under_way = |instance: &usize| self.instances[*instance].early.is_some();
         let group_fits = |group: &Group| {
             let under_way = group.is_under_way_after(self.tick);
             group.instances.iter().all(|instance| is_under_way(instance) == under_way)
         };
         (0..plan.ports.len()).all(instance_fits)
+            && self.next.iter().all(row_fits)
             && plan.groups.iter().all(group_fits)
             && self.carried.fits(&plan, self.tick + 1)
     }
@@ -120,8 +127,21 @@ impl<W: Observer> StepLoop<'_, W> {
             tick,
             instances: states.map(|(instance, state)| self.saved_instance(instance, state)).collect(),
             carried: self.state.carried.clone(),
+            next: Vec::new(),
         };
-        self.observer.checkpoint(&checkpoint).map_err(|cause| Failure::between_calls(self.plan.seconds(tick), cause))
+        // Now, as a unit may crash before the next rows are known.
+        self.store(&checkpoint)?;
+        self.state.next_rows.keep(checkpoint);
+        Ok(())
+    }
+
+    /// Has the observer store a checkpoint, in place of an earlier one of its tick.
+    ///
+    /// # Errors
+    /// It cannot be stored.
+    pub(super) fn store(&mut self, checkpoint: &Checkpoint) -> Result<(), Failure> {
+        let time_s = self.plan.seconds(checkpoint.tick);
+        self.observer.checkpoint(checkpoint).map_err(|cause| Failure::between_calls(time_s, cause))
     }
 
     /// Awaits all orders that are under way, aside from where results are seen; false if one is lost.
@@ -185,6 +205,7 @@ impl<W: Observer> StepLoop<'_, W> {
         }
         state.changes = plan.overrides.changes.partition_point(|change| change.tick <= *tick);
         state.samples = tick + 1;
+        state.next_rows.expect(&checkpoint.next);
         assert!(checkpoint.carried.fits(plan, state.samples), "a checkpoint fits its run");
         state.carried.clone_from(&checkpoint.carried);
         plan.claims.reserve(&mut state.carried.claims);

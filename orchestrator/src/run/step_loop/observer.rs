@@ -15,7 +15,7 @@ pub trait Observer {
     fn row(&mut self, tick: u64, fill: impl FnOnce(RowWriter<'_>));
     /// Whether the run is to be saved after the row of this tick.
     fn wants_checkpoint(&self, tick: u64) -> bool;
-    /// Stores the checkpoint.
+    /// Stores the checkpoint, in place of an earlier one of its tick.
     ///
     /// # Errors
     /// Why it could not be stored.

@@ -1,6 +1,7 @@
 //! All that changes during a run outside of the instances.
 
 use super::UnderWay;
+use super::next_rows::NextRows;
 use crate::run::worker::Terminated;
 use flatten::claims::ClaimsMemory;
 use flatten::values::Values;
@@ -29,6 +30,8 @@ pub(super) struct State {
     pub latest_shared: Vec<f64>,
     /// By group, the inputs with limits that they have not missed yet.
     pub unreported: Vec<Vec<usize>>,
+    /// The rows that follow checkpoints.
+    pub next_rows: NextRows,
     /// How many of the plan's changes of overrides have been applied.
     pub changes: usize,
     /// The tick of the next sample of the claims.
@@ -69,6 +72,7 @@ impl State {
             visible_shared: vec![0.0; plan.shared.len()],
             latest_shared: vec![0.0; plan.shared.len()],
             unreported: plan.limits.of_group.clone(),
+            next_rows: NextRows::default(),
             changes: 0,
             samples: plan.start_tick,
         }
