@@ -25,7 +25,7 @@ use pest::Parser;
 use pest::iterators::Pair;
 
 use crate::diagnostic::Diagnostic;
-use crate::source::Sources;
+use crate::source::{Sources, Span};
 use crate::syntax::{Binding, File, Value};
 
 /// A text, read.
@@ -43,7 +43,7 @@ pub struct Parsed {
 #[must_use]
 pub fn parse(sources: &Sources, text: u32) -> Parsed {
     let source = sources.text(text);
-    with_stack(|| {
+    let parsed = with_stack(text, || {
         let scan::Scanned { text: blanked, mut diagnostics } = scan::scan(source, text);
         let mut walk = tree::Walk::new(source, text);
         let mut statements = Vec::new();
@@ -68,7 +68,8 @@ pub fn parse(sources: &Sources, text: u32) -> Parsed {
         }
         diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span));
         Parsed { file: File { statements }, diagnostics }
-    })
+    });
+    parsed.unwrap_or_else(|error| Parsed { file: File { statements: Vec::new() }, diagnostics: vec![error] })
 }
 
 /// Matches what follows a byte, in a window that grows: pest's own search for an error's line runs from the end of the text
@@ -117,7 +118,7 @@ fn parse_one<T: Send>(
     build: fn(&mut tree::Walk<'_>, Pair<'_, Rule>) -> T,
 ) -> Result<T, Vec<Diagnostic>> {
     let source = sources.text(text);
-    with_stack(|| {
+    let parsed = with_stack(text, || {
         let scan::Scanned { text: blanked, mut diagnostics } = scan::scan(source, text);
         let mut walk = tree::Walk::new(source, text);
         let built = match match_rule(rule, &blanked) {
@@ -131,7 +132,8 @@ fn parse_one<T: Send>(
             Err(error) if diagnostics.is_empty() => Err(vec![error]),
             Err(_) => Err(diagnostics),
         }
-    })
+    });
+    parsed.unwrap_or_else(|error| Err(vec![error]))
 }
 
 /// The one pair of a match, or where and why it failed.
@@ -156,14 +158,21 @@ pub(crate) fn is_plain_unit(unit: &str) -> bool {
 }
 
 /// Runs `work` with a stack for the deepest nesting allowed, independent of the caller's stack.
-pub(crate) fn with_stack<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+///
+/// # Errors
+/// The system starts no thread; the diagnostic is at the beginning of `text`.
+pub(crate) fn with_stack<R: Send>(text: u32, work: impl FnOnce() -> R + Send) -> Result<R, Diagnostic> {
     const STACK_BYTES: usize = 64 << 20;
     thread::scope(|scope| {
         let parser = thread::Builder::new().name("parse".to_owned()).stack_size(STACK_BYTES);
         match parser.spawn_scoped(scope, work).map(thread::ScopedJoinHandle::join) {
-            Ok(Ok(result)) => result,
+            Ok(Ok(result)) => Ok(result),
             Ok(Err(panic)) => std::panic::resume_unwind(panic),
-            Err(error) => panic!("no thread to parse on: {error}"),
+            Err(error) => {
+                let message = format!("cannot start a thread to read the script: {error}");
+                let help = "raise the limit of processes and threads (ulimit -u)";
+                Err(Diagnostic::error("E00", Span { text, start: 0, end: 0 }, message).help(help))
+            }
         }
     })
 }

@@ -126,7 +126,7 @@ pub struct Resolved {
 /// Resolves a script to a scenario, or returns everything that is wrong with it.
 #[must_use]
 pub fn resolve(request: &Request<'_>) -> Resolved {
-    with_stack(|| {
+    let resolved = with_stack(0, || {
         let shared = Shared::new(*request);
         let scenario = scenario(shared.top());
         shared.top().requirements_of_libraries();
@@ -138,7 +138,8 @@ pub fn resolve(request: &Request<'_>) -> Resolved {
         }
         assert!(failed || scenario.is_some(), "a script without an error has a meaning");
         Resolved { scenario, diagnostics }
-    })
+    });
+    resolved.unwrap_or_else(|error| Resolved { scenario: None, diagnostics: vec![error] })
 }
 
 /// Every pass runs even after errors, so that all errors are reported at once.

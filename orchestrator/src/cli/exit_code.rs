@@ -52,12 +52,16 @@ pub(super) fn reached(
     })
 }
 
+/// Help where the system starts no process or thread.
+pub(super) const MORE_PROCESSES: &str = "raise the limit of processes and threads (ulimit -u)";
+
 /// What the user can do about a run that could not be supervised.
 pub(super) fn help(error: &SuperviseError) -> Option<&'static str> {
     match error {
         SuperviseError::Trace(error) | SuperviseError::Broken { error, .. } => error.help(),
         SuperviseError::Start { error, .. } => match error.kind() {
             io::ErrorKind::FileTooLarge => Some("raise the limit of the size of files (ulimit -f)"),
+            io::ErrorKind::WouldBlock => Some(MORE_PROCESSES),
             io::ErrorKind::QuotaExceeded | io::ErrorKind::StorageFull => Some(OTHER_TMPDIR),
             _ => None,
         },
@@ -101,6 +105,7 @@ mod tests {
     #[test]
     fn a_file_that_cannot_be_made_is_helped_by_a_higher_limit_or_by_another_folder() {
         let of = |kind: io::ErrorKind| help(&SuperviseError::Start { doing: "make the board", error: kind.into() });
+        assert!(of(io::ErrorKind::WouldBlock).is_some_and(|help| help.ends_with("(ulimit -u)")));
         assert!(of(io::ErrorKind::FileTooLarge).is_some_and(|help| help.ends_with("(ulimit -f)")));
         assert_eq!(of(io::ErrorKind::StorageFull), Some(OTHER_TMPDIR));
         assert_eq!(of(io::ErrorKind::PermissionDenied), None);

@@ -16,9 +16,9 @@ use crate::run::interruption;
 use clap::{Parser, Subcommand};
 use results::recorder::Formats;
 use results::report;
-use std::env;
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
+use std::{env, io};
 use unit::describe::library_description;
 use unit::process;
 
@@ -72,7 +72,8 @@ impl Cli {
         let holds_units = env::args_os().nth(1).is_some_and(|command| HOLDS_UNITS.iter().any(|name| command == *name));
         // A signal that ends a process with units is a fault that its parent reports.
         if !holds_units && let Err(error) = interruption::listen() {
-            report::error(&format!("cannot listen for Ctrl-C: {error}"), None);
+            let help = (error.kind() == io::ErrorKind::WouldBlock).then_some(exit_code::MORE_PROCESSES);
+            report::error(&format!("cannot listen for Ctrl-C: {error}"), help);
             return exit_code::USAGE;
         }
         if !holds_units && !process::has_address_space(ADDRESS_SPACE) {

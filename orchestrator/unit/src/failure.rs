@@ -117,6 +117,9 @@ impl Failure {
                 Some("the state that the unit saves is incomplete: run from the start, without --from".to_owned())
             }
             (Cause::Signal(9), _) => Some("the system ends a process like this when memory runs out".to_owned()),
+            (Cause::Signal(_), Doing::BetweenCalls) if self.instance.is_none() => {
+                Some("a unit may have written where it must not; --isolate shows which".to_owned())
+            }
             (Cause::Status(_) | Cause::NoInstance, _) => {
                 Some("the unit's own messages, if it had any, are above".to_owned())
             }
@@ -218,6 +221,7 @@ mod tests {
             message("plan", Doing::Load, None, Cause::Signal(6)),
             message("plan", step, Some(12.34), Cause::Unwound),
             message("", Doing::BetweenCalls, Some(0.5), Cause::Exit(101)),
+            message("", Doing::BetweenCalls, Some(0.5), Cause::Signal(6)),
             message("plan", Doing::Call(Call::FreeInstance), Some(60.0), Cause::Exit(0)),
             message("plan", step, Some(12.34), Cause::Hung(10.0)),
             message("plan", Doing::Load, None, Cause::Hung(0.5)),

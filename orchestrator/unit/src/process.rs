@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::ffi::{CString, c_int};
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use std::{fs, io, ptr, thread};
@@ -26,6 +27,19 @@ pub fn has_address_space(bytes: usize) -> bool {
     let start = unsafe { libc::mmap(ptr::null_mut(), bytes, libc::PROT_NONE, flags, -1, 0) };
     // SAFETY: this is exactly the range that was mapped.
     start != libc::MAP_FAILED && unsafe { libc::munmap(start, bytes) } == 0
+}
+
+/// Whether this user may have so many more threads and processes (`ulimit -u`). They are started and end at once.
+#[must_use]
+pub fn may_start(threads: usize) -> bool {
+    const STACK_BYTES: usize = 16 << 10;
+    let begun = Mutex::new(());
+    thread::scope(|scope| {
+        // They wait until all are there, or one could not be started.
+        let _held = begun.lock();
+        let start = |_| thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, || drop(begun.lock()));
+        (0..threads).map(start).all(|started| started.is_ok())
+    })
 }
 
 /// Whether the file system of a folder forbids to load libraries from it (`noexec`).

@@ -18,7 +18,7 @@ use std::time::Duration;
 use unit::board::{Board, BoardLayout};
 use unit::descriptors::{are_left, raise_limit};
 use unit::failure::Failure;
-use unit::process::has_address_space;
+use unit::process::{has_address_space, may_start};
 
 /// What zenoh opens in the coordinator, once and for each worker, with the pipe to the worker; and as many more for the start
 /// of processes. zenoh ends the program with a panic where it gets none.
@@ -27,6 +27,9 @@ const DESCRIPTORS_PER_WORKER: usize = 3;
 /// What zenoh's threads map, likewise.
 const ADDRESS_SPACE: usize = 1 << 30;
 const ADDRESS_SPACE_PER_WORKER: usize = 64 << 20;
+/// Threads of zenoh and of ours, likewise; of a worker with its process.
+const THREADS: usize = 12;
+const THREADS_PER_WORKER: usize = 9;
 
 /// Worker processes to which there is no connection yet.
 #[derive(Debug)]
@@ -53,6 +56,10 @@ impl WorkerSet {
         }
         if !has_address_space(ADDRESS_SPACE + count * ADDRESS_SPACE_PER_WORKER) {
             return Err(io::Error::other("they need more address space than is left; raise the limit (ulimit -v)"));
+        }
+        if !may_start(THREADS + count * THREADS_PER_WORKER) {
+            let text = "they need more processes and threads than are left; raise the limit (ulimit -u)";
+            return Err(io::Error::other(text));
         }
         let layout = BoardLayout { notes: 1, columns: 0, claims: 0 };
         let boards = addresses.iter().map(|address| Board::create(&address.board(), &layout).map(Arc::new));

@@ -1,6 +1,7 @@
 //! `lockstep run --live`: where and how a run lets others watch.
 
 use crate::bus::watch::{ANY_LOCAL_PORT, ListenError, Listening, Rate, Watch};
+use crate::cli::exit_code::MORE_PROCESSES;
 use crate::find::preparation::Refusal;
 use crate::host::execution::ReadyRun;
 use crate::run::prepared_run::PreparedRun;
@@ -8,12 +9,14 @@ use fmi2::printable;
 use results::report::status;
 use results::sink::Sink;
 use unit::descriptors::{are_left, raise_limit};
-use unit::process::has_address_space;
+use unit::process::{has_address_space, may_start};
 
 /// What zenoh opens and the run after it. zenoh ends the program with a panic where it gets nothing.
 const DESCRIPTORS: usize = 32;
 /// What zenoh's threads map.
 const ADDRESS_SPACE: usize = 512 << 20;
+/// The threads that zenoh starts, and those that are started later for the run.
+const THREADS: usize = 16;
 
 /// What a run is told about those who watch.
 #[derive(Debug, clap::Args)]
@@ -41,6 +44,9 @@ impl Live {
         if !are_left(DESCRIPTORS) || !has_address_space(ADDRESS_SPACE) {
             let message = "too few file descriptors or too little address space are left for --live";
             return Err(Refusal::new(&message, Some("raise the limits (ulimit -n, ulimit -v)")));
+        }
+        if !may_start(THREADS) {
+            return Err(Refusal::new(&"too few threads are left for --live", Some(MORE_PROCESSES)));
         }
         let listening = Listening::at(endpoint).map_err(|error| refusal(&error))?;
         if listening.is_open_to_others() {
