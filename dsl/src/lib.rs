@@ -12,6 +12,7 @@ pub mod diagnostic;
 pub mod loader;
 pub mod nearest;
 pub mod parse;
+pub mod parts;
 pub mod resolve;
 pub mod scenario;
 pub mod source;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use dsl::diagnostic::render;
 use dsl::loader::{Loader, Problem, Table};
 use dsl::parse::parse;
+use dsl::parts::Parts;
 use dsl::resolve::{Request, resolve};
 use dsl::source::{Source, Sources};
 use fmi2::description::ModelDescription;
@@ -158,7 +159,13 @@ pub fn understand(script: &str, units: &Units) -> (bool, String) {
     if !parsed.diagnostics.is_empty() {
         return (false, render(&sources, &parsed.diagnostics, false));
     }
-    let resolved =
-        resolve(&Request { sources: &sources, file: &parsed.file, loader: units, settings: &[], isolated: false });
+    let resolved = resolve(&Request {
+        sources: &sources,
+        file: &parsed.file,
+        parts: &Parts::default(),
+        loader: units,
+        settings: &[],
+        isolated: false,
+    });
     (resolved.scenario.is_some(), render(&sources, &resolved.diagnostics, false))
 }

@@ -3,11 +3,12 @@
 use super::frame::Placed;
 use super::meaning::{Bound, Condition, Measure};
 use super::scope::Scope;
+use super::script::ClaimLine;
 use super::temporal::total;
 use crate::diagnostic::Diagnostic;
 use crate::scenario::{BooleanExpression, Claim, Formula, Limit, Margin, duration};
 use crate::source::Span;
-use crate::syntax::{Expression, Name, TemporalWord};
+use crate::syntax::TemporalWord;
 
 use super::measure::quantity;
 use super::real;
@@ -18,30 +19,30 @@ const MOST_STEPS_AHEAD: u64 = 10_000_000;
 impl Scope<'_, '_> {
     /// The claims in the script's order.
     pub fn claims(&self, stop_tick: Option<u64>) -> Vec<Claim> {
-        let claim =
-            |claim: &Placed<(&Name, &Expression)>| self.at(claim.frame).claim(claim.part.0, claim.part.1, stop_tick);
+        let claim = |claim: &Placed<ClaimLine<'_>>| self.at(claim.frame).claim(&claim.part, stop_tick);
         self.script.claims.iter().filter_map(claim).collect()
     }
 
-    fn claim(&self, name: &Name, claim: &Expression, stop_tick: Option<u64>) -> Option<Claim> {
+    fn claim(&self, line: &ClaimLine<'_>, stop_tick: Option<u64>) -> Option<Claim> {
+        let ClaimLine { name, span, claim } = line;
         let condition = self.condition(claim)?;
         let mut bounds = Vec::new();
         condition.collect_bounds(false, &mut bounds);
         self.check_dimensions(&bounds);
         let windows = condition.reach();
         if stop_tick.is_some_and(|stop| total(&windows) > stop) {
-            self.report(self.too_long(name, &windows));
+            self.report(self.too_long((name, *span), &windows));
         } else if total(&windows) > MOST_STEPS_AHEAD {
-            self.report(too_far(name, total(&windows)));
+            self.report(too_far((name, *span), total(&windows)));
         }
         let limit = match bounds.as_slice() {
             [(bound, negated)] => bound.limit.map(|limit| Limit { upper: limit.upper != *negated, ..limit }),
             _ => None,
         };
         Some(Claim {
-            name: name.word.text.clone(),
+            name: name.clone(),
             text: self.text(claim.span),
-            line: self.line(name.span),
+            line: self.line(*span),
             formula: condition.formula(false),
             unit: bounds.first().map(|(bound, _)| bound.unit.clone()),
             limit,
@@ -70,22 +71,22 @@ impl Scope<'_, '_> {
         self.report(error.help(advice));
     }
 
-    fn too_long(&self, name: &Name, windows: &[(u64, &str)]) -> Diagnostic {
+    fn too_long(&self, (name, span): (&str, Span), windows: &[(u64, &str)]) -> Diagnostic {
         let step_ns = self.grid().map_or(0, |grid| grid.step_ns);
         let shown = |ticks: u64| duration(ticks.saturating_mul(step_ns));
         let parts: Vec<_> = windows.iter().map(|(ticks, word)| format!("{} {word}", shown(*ticks))).collect();
         let sum = if parts.len() > 1 { format!(" ({})", parts.join(" + ")) } else { String::new() };
         let ahead = shown(total(windows));
         let stop = self.script.stop.map_or(Span::default(), |stop| stop.span);
-        let message = format!("`{}` looks {ahead} ahead{sum}, the run ends at {}", name.word.text, self.text(stop));
-        let error = Diagnostic::error("E09", name.span, message).label(stop, "the end");
+        let message = format!("`{name}` looks {ahead} ahead{sum}, the run ends at {}", self.text(stop));
+        let error = Diagnostic::error("E09", span, message).label(stop, "the end");
         error.help(format!("shorten the claim or write `stop {ahead}`"))
     }
 }
 
-fn too_far(name: &Name, steps: u64) -> Diagnostic {
-    let message = format!("`{}` looks {steps} steps ahead, and at most {MOST_STEPS_AHEAD} are kept", name.word.text);
-    Diagnostic::error("E39", name.span, message).help("shorten the claim, or write a longer `step`")
+fn too_far((name, span): (&str, Span), steps: u64) -> Diagnostic {
+    let message = format!("`{name}` looks {steps} steps ahead, and at most {MOST_STEPS_AHEAD} are kept");
+    Diagnostic::error("E39", span, message).help("shorten the claim, or write a longer `step`")
 }
 
 impl Condition {

@@ -26,7 +26,7 @@ impl Scope<'_, '_> {
             all.into_iter().filter(|port| self.variable(*port).base_type() != BaseType::String).collect()
         };
         let name = |port: Port| {
-            let instance = &self.script.instances[port.instance].name.text;
+            let instance = &self.script.instances[port.instance].name;
             format!("{instance}.{}", self.variable(port).name)
         };
         ports.into_iter().map(|port| Column { name: name(port), port }).collect()

@@ -17,7 +17,7 @@ impl Scope<'_, '_> {
         for (index, instance) in self.script.instances.iter().enumerate() {
             let Some(description) = self.description(index) else { continue };
             let Some(experiment) = description.default_experiment else { continue };
-            let (name, unit) = (&instance.name.text, &instance.unit);
+            let (name, unit) = (&instance.name, &instance.unit);
             let start_s = experiment.start_time.filter(|start_s| *start_s != 0.0 && start_s.is_finite());
             if let Some(start_s) = start_s.filter(|_| seen.insert(&unit.text)) {
                 let message = format!(
@@ -40,7 +40,7 @@ impl Scope<'_, '_> {
                      takes steps of {}",
                     duration(period_ns)
                 );
-                let warning = Diagnostic::warning("W08", instance.name.span, message);
+                let warning = Diagnostic::warning("W08", instance.word.span, message);
                 self.report(warning.help(format!("write `every {own_s} s` or `step {own_s} s`")));
             }
         }

@@ -8,6 +8,7 @@ use super::frame::Placed;
 use super::literal::literal;
 use super::meaning::{Condition, Group, Meaning, Measure, Origin, Real, Text};
 use super::measure::unit_name;
+use super::path::Root;
 use super::real;
 use super::scale::Scale;
 use super::scope::Scope;
@@ -122,31 +123,32 @@ impl Scope<'_, '_> {
             "pi" => Real::plain(std::f64::consts::PI),
             _ => return self.declared(path),
         };
-        self.narrowed(Some(Rc::new(Meaning::Real(builtin))), path)
+        self.narrowed_by(Rc::new(Meaning::Real(builtin)), &path.tail, path)
     }
 
     fn declared(&self, path: &Path) -> Option<Rc<Meaning>> {
-        let Some(Placed { frame, part }) = self.refer_to(&path.root.text) else {
-            if path.root.text == "seed" {
-                return self.narrowed(self.implicit_seed(), path);
+        let (Placed { frame, part }, tail) = match self.root(path) {
+            Root::Declared(found, tail) => (found, tail),
+            Root::Reported => return None,
+            Root::Unknown if path.root.text == "seed" => {
+                return self.narrowed_by(self.implicit_seed()?, &path.tail, path);
             }
-            return self.refuse_unknown_name(&path.root, |_| true, &RESERVED);
+            Root::Unknown => return self.refuse_unknown_name(&path.root, |_| true, &RESERVED),
         };
-        match part {
-            Declaration::Parameter(binding) => {
-                self.narrowed(self.at(frame).binding(binding, self.assigned(binding)), path)
+        let meaning = match part {
+            Declaration::Parameter(binding) => self.at(frame).binding(binding, self.at(frame).assigned(binding))?,
+            Declaration::Let(binding) => self.at(frame).binding(binding, Placed { frame, part: &binding.value })?,
+            Declaration::Counter(counter, _) => Rc::clone(&self.script.counters[counter]),
+            Declaration::Instance(instance, _) => {
+                let signal = self.walk(instance, String::new(), tail, path)?;
+                return self.source(signal, path.span).map(Rc::new);
             }
-            Declaration::Let(binding) => self.narrowed(self.at(frame).binding(binding, &binding.value), path),
-            Declaration::Instance(..) => self.source(self.signal(path)?, path.span).map(Rc::new),
-            Declaration::Refused(_) => None,
-        }
+            Declaration::Part(..) | Declaration::Refused(_) => return None,
+        };
+        self.narrowed_by(meaning, tail, path)
     }
 
     /// Follows the path after the name of a `let` or `param`.
-    fn narrowed(&self, meaning: Option<Rc<Meaning>>, path: &Path) -> Option<Rc<Meaning>> {
-        self.narrowed_by(meaning?, &path.tail, path)
-    }
-
     fn narrowed_by(&self, meaning: Rc<Meaning>, tail: &[Segment], path: &Path) -> Option<Rc<Meaning>> {
         let Some((first, rest)) = tail.split_first() else { return Some(meaning) };
         match &*meaning {

@@ -214,7 +214,7 @@ impl Scope<'_, '_> {
         let name = |task: &Task| match task {
             Task::Get(port) => self.port_name(*port),
             Task::Set(index) => self.port_name(connections[*index].connection.target),
-            Task::AllSet(instance) => self.script.instances[*instance].name.text.clone(),
+            Task::AllSet(instance) => self.script.instances[*instance].name.clone(),
         };
         let names: Vec<_> = circle.iter().chain(circle.first()).map(name).collect();
         let message = format!("these initial values wait for each other: {}", names.join(" -> "));
@@ -229,7 +229,7 @@ impl Scope<'_, '_> {
         let target = connections[first].connection.target;
         let help = format!(
             "give one input of the circle a start value: `fmu {} = … {{ {} = … }}`",
-            self.script.instances[target.instance].name.text,
+            self.script.instances[target.instance].name,
             spelling::variable(&self.variable(target).name)
         );
         let error = Diagnostic::error("E36", connections[first].target, message);

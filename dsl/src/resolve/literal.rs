@@ -69,7 +69,7 @@ impl Scope<'_, '_> {
 
     fn two_meanings(&self, name: &str, span: Span) -> Diagnostic {
         let meanings = self.meanings_of_unit(name).iter().map(|(base, instance)| {
-            format!("{} in {}", super::unit_name::shown(*base), self.script.instances[*instance].name.text)
+            format!("{} in {}", super::unit_name::shown(*base), self.script.instances[*instance].name)
         });
         let meanings = meanings.collect::<Vec<_>>().join(", ");
         let error = Diagnostic::error("E33", span, format!("`{name}` has two meanings here")).saying(meanings);

@@ -2,8 +2,8 @@
 //! descriptions. Next on the walk: `scenario.rs`.
 //!
 //! One pass finds all errors of a script, and none is a consequence of another: a part without meaning is `None`, and what
-//! depends on it reports nothing. The passes, in order: `script` sorts the statements,
-//! `parameter` fixes the parameters, `grid` the times, then come `preset`, `wire`, `event` and `claim` over
+//! depends on it reports nothing. The passes, in order: `elaborate` sorts the statements of loops
+//! and parts into `script`, `parameter` fixes the parameters, `grid` the times, then come `preset`, `wire`, `event` and `claim` over
 //! `expression`, and at last `wave`, `initial` and `column` over the connections.
 //!
 //! | code | what is wrong |
@@ -53,6 +53,7 @@
 use crate::diagnostic::Diagnostic;
 use crate::loader::Loader;
 use crate::parse::with_stack;
+use crate::parts::Parts;
 use crate::scenario::{Instance, Scenario};
 use crate::source::Sources;
 use crate::syntax::{Binding, File};
@@ -62,6 +63,7 @@ mod assign;
 mod claim;
 mod column;
 mod comparison;
+mod elaborate;
 mod event;
 mod experiment;
 mod expression;
@@ -77,7 +79,9 @@ mod literal;
 mod meaning;
 mod measure;
 mod parameter;
+mod path;
 mod preset;
+mod range;
 mod reads;
 mod real;
 mod scale;
@@ -106,6 +110,8 @@ pub struct Request<'a> {
     pub sources: &'a Sources,
     /// The script.
     pub file: &'a File,
+    /// The parts that the script uses.
+    pub parts: &'a Parts,
     /// Loads the units and files that the script names.
     pub loader: &'a dyn Loader,
     /// Assignments of the command line, in order; a later one counts.
@@ -167,7 +173,7 @@ fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
     let units = scope.script.units_by_index();
     let instances =
         scope.script.instances.iter().zip(presets).enumerate().map(|(index, (instance, presets))| Instance {
-            name: instance.name.text.clone(),
+            name: instance.name.clone(),
             unit: instance.unit_index,
             every: periods[index],
             wave: waves[index],

@@ -2,12 +2,14 @@
 
 use std::rc::Rc;
 
+use super::frame::{FrameId, Placed};
 use super::meaning::{Meaning, Origin, Real, Text};
 use super::measure::{as_written, quantity, si_name};
 use super::scope::Scope;
 use super::script::Declaration;
 use crate::diagnostic::Diagnostic;
 use crate::scenario::{BooleanExpression, Parameter};
+use crate::source::Span;
 use crate::spelling;
 use crate::syntax::{Binding, Expression};
 
@@ -15,9 +17,15 @@ use super::meaning::{Condition, Measure};
 use crate::nearest::nearest;
 
 impl<'a> Scope<'_, 'a> {
-    /// The value of a parameter as written: that of the command line, else its own.
-    pub fn assigned(&self, parameter: &'a Binding) -> &'a Expression {
-        self.setting(&parameter.name.text).map_or(&parameter.value, |setting| &setting.value)
+    /// The value of a parameter of this frame as written: that of the command line, of a part that of the braces of `use`,
+    /// else its own.
+    pub fn assigned(&self, parameter: &'a Binding) -> Placed<&'a Expression> {
+        let (name, frame) = (parameter.name.text.as_str(), self.frame());
+        let own = Placed { frame, part: &parameter.value };
+        if frame == FrameId::SCRIPT {
+            return self.setting(name).map_or(own, |setting| Placed { frame, part: &setting.value });
+        }
+        self.shared.script.frames.given(frame, name).unwrap_or(own)
     }
 
     fn setting(&self, name: &str) -> Option<&'a Binding> {
@@ -35,13 +43,17 @@ impl<'a> Scope<'_, 'a> {
     /// All parameters with their values, checked against what the command line says.
     pub fn parameters(&self) -> Vec<Parameter> {
         self.check_settings();
-        let mut parameters: Vec<_> =
-            self.shared.script.parameters.iter().filter_map(|it| self.at(it.frame).parameter(it.part)).collect();
+        let all = self.shared.script.parameters.iter();
+        let (own, of_parts): (Vec<&Placed<&Binding>>, Vec<&Placed<&Binding>>) =
+            all.partition(|it| it.frame == FrameId::SCRIPT);
+        of_parts.into_iter().for_each(|it| self.at(it.frame).parameter_of_part(it.part));
+        let mut parameters: Vec<_> = own.into_iter().filter_map(|it| self.parameter(it.part)).collect();
         if self.look_up("seed").is_none() {
             let set = self.setting("seed");
             let value = match (set, self.implicit_seed()) {
                 (Some(setting), Some(value)) => {
-                    self.check_kind(setting, &value, &Meaning::Real(Real::plain(1.0)));
+                    let plain = Meaning::Real(Real::plain(1.0));
+                    self.check_kind((&setting.name.text, setting.value.span), &value, &plain);
                     typed_again(&value)
                 }
                 _ => Some("1".to_owned()),
@@ -57,10 +69,10 @@ impl<'a> Scope<'_, 'a> {
         if let Some(setting) = setting {
             let declared = self.evaluate(&parameter.value);
             if let (Some(value), Some(declared)) = (&value, &declared) {
-                self.check_kind(setting, value, declared);
+                self.check_kind((&setting.name.text, setting.value.span), value, declared);
             }
         }
-        let (value, place) = (value?, self.assigned(parameter).span);
+        let (value, place) = (value?, self.assigned(parameter).part.span);
         match typed_again(&value) {
             Some(text) => Some(Parameter { name: parameter.name.text.clone(), value: text, set: setting.is_some() }),
             None => self.refuse(self.must_be_known(place)),
@@ -75,7 +87,8 @@ impl<'a> Scope<'_, 'a> {
                 continue;
             }
             let error = Diagnostic::error("E01", setting.name.span, format!("the script has no parameter `{name}`"));
-            let parameters = || self.script.parameters.iter().map(|parameter| parameter.part.name.text.as_str());
+            let own = || self.script.parameters.iter().filter(|parameter| parameter.frame == FrameId::SCRIPT);
+            let parameters = || own().map(|parameter| parameter.part.name.text.as_str());
             let names = || parameters().chain(["seed"]);
             let help = match nearest(name, names()) {
                 Some(near) => format!("did you mean `{near}`?"),
@@ -85,22 +98,41 @@ impl<'a> Scope<'_, 'a> {
         }
     }
 
-    fn check_kind(&self, setting: &Binding, value: &Meaning, declared: &Meaning) {
-        if alike(value, declared) {
-            return;
+    /// A parameter of a part, whose value is known before the run and of the kind of its own value.
+    fn parameter_of_part(&self, parameter: &'a Binding) {
+        let assigned = self.assigned(parameter);
+        let value = self.binding(parameter, assigned);
+        if let (true, Some(value)) = (assigned.frame != self.frame(), &value)
+            && let Some(declared) = self.evaluate(&parameter.value)
+        {
+            let fits = self.check_kind((&parameter.name.text, assigned.part.span), value, &declared);
+            if !fits {
+                self.forget(parameter);
+            }
         }
-        let (name, shown) = (&setting.name.text, |meaning: &Meaning| match meaning {
+        if value.is_some_and(|value| typed_again(&value).is_none()) {
+            self.report(self.must_be_known(assigned.part.span));
+        }
+    }
+
+    /// Whether a value may replace a parameter's own; if not, this is reported.
+    fn check_kind(&self, (name, place): (&str, Span), value: &Meaning, declared: &Meaning) -> bool {
+        if alike(value, declared) {
+            return true;
+        }
+        let shown = |meaning: &Meaning| match meaning {
             Meaning::Real(value) => match value.measure {
                 Measure::Known(dimension) => quantity(dimension),
                 Measure::Undeclared => meaning.kind().to_owned(),
             },
             Meaning::List(elements) => format!("a list of {}", elements.len()),
             other => other.kind().to_owned(),
-        });
+        };
         let message = format!("`{name}` cannot be set to this: its own value is {}", shown(declared));
-        let error = Diagnostic::error("E37", setting.value.span, message).saying(shown(value));
+        let error = Diagnostic::error("E37", place, message).saying(shown(value));
         let example = typed_again(declared).unwrap_or_default();
         self.report(error.help(format!("write a value of the same kind, for example `{name} = {example}`")));
+        false
     }
 }
 

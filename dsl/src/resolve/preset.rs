@@ -64,10 +64,10 @@ impl Scope<'_, '_> {
             let Some(noise) = self.noise(later, presets) else { continue };
             let twin = *first_of.entry((&declared.unit.text, format!("{noise:?}"))).or_insert(later);
             if twin != later {
-                let (first, second) = (&instances[twin].name, declared.name);
-                let message = format!("`{}` and `{}` draw the same random numbers", first.text, second.text);
-                let warning =
-                    Diagnostic::warning("W03", second.span, message).label(first.span, "same seed and stream");
+                let (first, second) = (&instances[twin], declared);
+                let message = format!("`{}` and `{}` draw the same random numbers", first.name, second.name);
+                let warning = Diagnostic::warning("W03", second.word.span, message)
+                    .label(first.word.span, "same seed and stream");
                 self.report(warning.help("give one of them another `stream`"));
             }
         }

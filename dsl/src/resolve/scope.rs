@@ -11,6 +11,7 @@ use fmi2::description::Variable;
 use fmi2::units::BaseUnit;
 
 use super::Request;
+use super::elaborate::elaborate;
 use super::findings::{Findings, Search};
 use super::frame::{FrameId, Placed};
 use super::grid::Known;
@@ -78,10 +79,15 @@ impl<'a> Deref for Scope<'_, 'a> {
 }
 
 impl<'a> Shared<'a> {
-    /// Sorts the statements.
+    /// Sorts the statements of the script.
     pub fn new(request: Request<'a>) -> Self {
         let mut findings = Findings::default();
-        let script = Script::new(&request, &mut findings);
+        let script = elaborate(&request, &mut findings);
+        Self::of(request, script, findings)
+    }
+
+    /// With these statements and findings.
+    pub fn of(request: Request<'a>, script: Script<'a>, findings: Findings) -> Self {
         Self {
             request,
             loaded: super::unit_name::loaded(&script),
@@ -156,27 +162,26 @@ impl<'s, 'a> Scope<'s, 'a> {
         None
     }
 
+    /// The frame in which names are looked up.
+    pub fn frame(self) -> FrameId {
+        self.frame
+    }
+
     /// What a name means here, with the frame that declares it.
     pub fn look_up(self, name: &str) -> Option<Placed<Declaration<'a>>> {
         self.shared.script.frames.look_up(self.frame, name)
     }
 
-    /// The same for a name that a statement refers to, which is then used.
-    pub fn refer_to(self, name: &str) -> Option<Placed<Declaration<'a>>> {
-        let found = self.look_up(name)?;
-        self.shared.used.borrow_mut().insert(found.part.span());
-        Some(found)
-    }
-
     /// Evaluates every `let`, so that errors in unused ones are reported too.
     pub fn evaluate_lets(self) {
         for binding in &self.shared.script.lets {
-            self.at(binding.frame).binding(binding.part, &binding.part.value);
+            let value = Placed { frame: binding.frame, part: &binding.part.value };
+            self.at(binding.frame).binding(binding.part, value);
         }
     }
 
     /// The meaning of a `let` or `param` of this frame whose value is written at `value`, computed at its first use.
-    pub fn binding(self, binding: &'a Binding, value: &'a Expression) -> Option<Rc<Meaning>> {
+    pub fn binding(self, binding: &'a Binding, value: Placed<&'a Expression>) -> Option<Rc<Meaning>> {
         let name = binding.name.text.as_str();
         if let Some(known) = self.bindings.borrow().get(&(self.frame, name)) {
             return known.clone();
@@ -190,7 +195,7 @@ impl<'s, 'a> Scope<'s, 'a> {
         let meaning = if self.open.borrow().len() > NAMES_DEEP {
             self.refuse(too_large(binding, "it depends on names that depend on names, and so on"))
         } else {
-            self.evaluate(value)
+            self.at(value.frame).evaluate(value.part)
         };
         let meaning = match meaning {
             Some(meaning) if meaning.size() > PARTS => self.refuse(too_large(binding, "it has too many parts")),
@@ -199,6 +204,11 @@ impl<'s, 'a> Scope<'s, 'a> {
         self.open.borrow_mut().pop();
         self.bindings.borrow_mut().insert((self.frame, name), meaning.clone());
         meaning
+    }
+
+    /// Takes the meaning of a name of this frame away: what depends on it reports nothing.
+    pub fn forget(self, binding: &'a Binding) {
+        self.bindings.borrow_mut().insert((self.frame, &binding.name.text), None);
     }
 
     /// What a unit says about itself; `None` if it was not found.
@@ -221,7 +231,7 @@ impl<'s, 'a> Scope<'s, 'a> {
 
     /// `quad.position.x`, `plant.'der(x)'`: as scripts write it.
     pub fn port_name(&self, port: Port) -> String {
-        let instance = &self.script.instances[port.instance].name.text;
+        let instance = &self.script.instances[port.instance].name;
         format!("{instance}.{}", spelling::variable(&self.variable(port).name))
     }
 

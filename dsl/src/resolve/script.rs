@@ -1,17 +1,17 @@
-//! Sorts the statements of a script, refuses those that this version does not know, and finds the declaration of a name.
+//! The statements of a script by kind, and what its names refer to. `elaborate` fills it.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::Request;
-use super::findings::Findings;
 use super::frame::{FrameId, Frames, Placed};
+use super::meaning::Meaning;
 use super::unit::Unit;
 use crate::diagnostic::Diagnostic;
 use crate::loader::Problem;
 use crate::scenario;
 use crate::source::Span;
-use crate::syntax::{self, Arrow, Binding, Expression, Name, Path, Statement, StatementKind, Window, Word};
+use crate::syntax::{self, Arrow, Binding, Expression, Path, Window, Word};
 
 /// The statements of a script by kind, each in the file's order.
 #[derive(Debug, Default)]
@@ -35,29 +35,35 @@ pub(super) struct Script<'a> {
     /// `at`
     pub windows: Vec<Placed<&'a Window>>,
     /// `assert`
-    pub claims: Vec<Placed<(&'a Name, &'a Expression)>>,
+    pub claims: Vec<Placed<ClaimLine<'a>>>,
     /// The paths of `record`.
     pub records: Vec<Placed<&'a Path>>,
     /// Whether there is a `record` line.
     pub has_record: bool,
     /// The declarations of names.
     pub frames: Frames<'a>,
+    /// The values of the counters of loops, one for each round.
+    pub counters: Vec<Rc<Meaning>>,
     /// The names of the claims with their places.
-    claim_names: BTreeMap<&'a str, Span>,
-    /// What was found for each unit, by the text that names it.
-    units: BTreeMap<(u32, &'a str), Found>,
+    pub claim_names: BTreeMap<String, Span>,
+    /// The names of the instances with their places.
+    pub instance_names: BTreeMap<String, Span>,
+    /// What was found for each unit, by the folder that its path is relative to.
+    units: BTreeMap<(String, &'a str), Found>,
 }
 
 /// The place of a unit in the order of first use, and what it says about itself.
-type Found = (usize, Result<Rc<Unit>, Problem>);
+pub(super) type Found = (usize, Result<Rc<Unit>, Problem>);
 
 /// A unit under a name.
 #[derive(Debug)]
 pub(super) struct Declared<'a> {
     /// Where the names in its clauses are looked up.
     pub frame: FrameId,
-    /// The name.
-    pub name: &'a Word,
+    /// The name in the whole script, as `wing[1].body`.
+    pub name: String,
+    /// The name where it is declared.
+    pub word: &'a Word,
     /// The unit as written.
     pub unit: &'a Word,
     /// Which unit it is, in order of first use.
@@ -68,6 +74,17 @@ pub(super) struct Declared<'a> {
     pub values: &'a [syntax::Value],
     /// What the unit says about itself, unless it was not found.
     pub description: Option<Rc<Unit>>,
+}
+
+/// An `assert`.
+#[derive(Clone, Debug)]
+pub(super) struct ClaimLine<'a> {
+    /// The name in the whole script.
+    pub name: String,
+    /// The place of the name.
+    pub span: Span,
+    /// The claim.
+    pub claim: &'a Expression,
 }
 
 /// A connection.
@@ -92,6 +109,10 @@ pub(super) enum Declaration<'a> {
     Let(&'a Binding),
     /// `fmu`: index into [`Script::instances`].
     Instance(usize, &'a Word),
+    /// `use`: the frame of the part.
+    Part(FrameId, &'a Word),
+    /// The counter of a loop in one round: index into [`Script::counters`].
+    Counter(usize, &'a Word),
     /// A statement that was refused; uses of its name report nothing.
     Refused(&'a Word),
 }
@@ -101,7 +122,7 @@ impl<'a> Declaration<'a> {
     pub fn word(&self) -> &'a Word {
         match self {
             Self::Parameter(binding) | Self::Let(binding) => &binding.name,
-            Self::Instance(_, word) | Self::Refused(word) => word,
+            Self::Instance(_, word) | Self::Part(_, word) | Self::Counter(_, word) | Self::Refused(word) => word,
         }
     }
 
@@ -120,141 +141,7 @@ pub(super) fn not_yet(span: Span, what: &str) -> Diagnostic {
         .help("leave it out for now")
 }
 
-/// The statements of a file in the order in which they act, each with the frame in which its names are looked up. This is
-/// where a loop yields its statements once for each round, in a frame of that round, and a part yields its own.
-fn elaborated(statements: &[Statement]) -> impl Iterator<Item = Placed<&Statement>> {
-    statements.iter().map(|part| Placed { frame: FrameId::SCRIPT, part })
-}
-
 impl<'a> Script<'a> {
-    /// Sorts the statements; whatever is wrong with them goes to `findings`.
-    pub fn new(request: &Request<'a>, findings: &mut Findings) -> Self {
-        let mut script = Self::default();
-        let mut found = Vec::new();
-        for statement in elaborated(&request.file.statements) {
-            script.take(request, statement, &mut found);
-        }
-        found.drain(..).for_each(|finding| findings.add(finding, None));
-        script.require(request, &mut found);
-        found.into_iter().for_each(|finding| findings.add_of_file(finding));
-        script
-    }
-
-    fn take(&mut self, request: &Request<'a>, statement: Placed<&'a Statement>, found: &mut Vec<Diagnostic>) {
-        let (frame, span) = (statement.frame, statement.part.span);
-        match &statement.part.kind {
-            StatementKind::Scenario(title) => once(&mut self.title, title, |word| word.span, "scenario", found),
-            StatementKind::Step(step) => once(&mut self.step, step, |value| value.span, "step", found),
-            StatementKind::Stop(stop) => once(&mut self.stop, stop, |value| value.span, "stop", found),
-            StatementKind::Param(part) => {
-                self.parameters.push(Placed { frame, part });
-                self.declare(frame, &part.name, Declaration::Parameter(part), &RESERVED[..2], found);
-            }
-            StatementKind::Let(part) => {
-                self.lets.push(Placed { frame, part });
-                self.declare(frame, &part.name, Declaration::Let(part), &RESERVED, found);
-            }
-            StatementKind::Fmu(part) => self.instance(request, Placed { frame, part }, found),
-            StatementKind::At(part) => self.windows.push(Placed { frame, part }),
-            StatementKind::Assert { name, claim } => self.claim(Placed { frame, part: (name, claim) }, found),
-            StatementKind::Record { signals, every } => {
-                self.has_record = true;
-                self.records.extend(signals.iter().map(|part| Placed { frame, part }));
-                if let Some(every) = every {
-                    found.push(not_yet(every.span, "`record` with `every`"));
-                }
-            }
-            StatementKind::Wire { source, arrow, arrow_span, targets } => {
-                let part = Wire { source, arrow: *arrow, arrow_span: *arrow_span, targets };
-                self.wires.push(Placed { frame, part });
-            }
-            StatementKind::StopWhen { .. } => {
-                self.stop_refused = true;
-                found.push(not_yet(span, "`stop when`"));
-            }
-            StatementKind::Use(part) => {
-                self.refuse_name(frame, &part.name.word);
-                found.push(not_yet(span, "`use`"));
-            }
-            StatementKind::For { body, .. } => {
-                self.refuse_names(frame, body);
-                found.push(not_yet(span, "`for`"));
-            }
-            StatementKind::When(_) => found.push(not_yet(span, "`when`")),
-            StatementKind::While(_) => found.push(not_yet(span, "`while`")),
-            StatementKind::Sweep(_) => found.push(not_yet(span, "`sweep`")),
-        }
-    }
-
-    /// A name whose statement was refused: its uses report nothing. A declared name keeps its declaration.
-    fn refuse_name(&mut self, frame: FrameId, name: &'a Word) {
-        let _ = self.frames.declare(frame, &name.text, Declaration::Refused(name));
-    }
-
-    /// The instances that refused statements declare for the statements around them.
-    fn refuse_names(&mut self, frame: FrameId, statements: &'a [Statement]) {
-        for statement in statements {
-            match &statement.kind {
-                StatementKind::Fmu(part) | StatementKind::Use(part) => self.refuse_name(frame, &part.name.word),
-                StatementKind::For { body, .. } => self.refuse_names(frame, body),
-                _ => {}
-            }
-        }
-    }
-
-    fn claim(&mut self, claim: Placed<(&'a Name, &'a Expression)>, found: &mut Vec<Diagnostic>) {
-        let (name, _) = claim.part;
-        if !name.index.is_empty() {
-            found.push(not_yet(name.span, "an index in a claim's name"));
-        } else if let Some(&first) = self.claim_names.get(name.word.text.as_str()) {
-            let message = format!("two claims are called `{}`", name.word.text);
-            found.push(
-                Diagnostic::error("E24", name.span, message).label(first, "the first").help("rename one of them"),
-            );
-        } else {
-            self.claim_names.insert(&name.word.text, name.span);
-        }
-        self.claims.push(claim);
-    }
-
-    fn instance(
-        &mut self,
-        request: &Request<'a>,
-        Placed { frame, part: instance }: Placed<&'a syntax::Instance>,
-        found: &mut Vec<Diagnostic>,
-    ) {
-        let name = &instance.name.word;
-        if !instance.name.index.is_empty() {
-            found.push(not_yet(instance.name.span, "an index in an `fmu` name"));
-            self.refuse_name(frame, name);
-            return;
-        }
-        if let Some(host) = instance.on.first() {
-            found.push(not_yet(host.span, "`on`"));
-        }
-        if let [first, second, ..] = instance.every.as_slice() {
-            let message = format!("`{}` has two periods", name.text);
-            let twice = Diagnostic::error("E25", second.span, message).label(first.span, "the first");
-            found.push(twice.help("write one `every`"));
-        }
-        let (unit_index, unit) = self.unit(request, &instance.unit);
-        if let Err(problem) = &unit {
-            let error = Diagnostic::error("E26", instance.unit.span, problem.message.clone());
-            found.push(Diagnostic { help: problem.help.clone(), ..error });
-        }
-        let declared = Declared {
-            frame,
-            name,
-            unit: &instance.unit,
-            unit_index,
-            every: instance.every.first(),
-            values: &instance.values,
-            description: unit.ok(),
-        };
-        self.declare(frame, name, Declaration::Instance(self.instances.len(), name), &RESERVED, found);
-        self.instances.push(declared);
-    }
-
     /// The units of the instances, each once, in order of first use.
     pub fn units_by_index(&self) -> Vec<scenario::Unit> {
         let mut units = Vec::new();
@@ -272,78 +159,20 @@ impl<'a> Script<'a> {
     }
 
     /// Which unit it is, and what it says about itself; the loader is called once for each name of a text.
-    fn unit(&mut self, request: &Request<'a>, name: &'a Word) -> Found {
+    pub fn unit(&mut self, request: &Request<'a>, name: &'a Word) -> Found {
         let load = || {
             let description = request.loader.unit(request.sources.of(name.span), &name.text)?;
             Ok(Rc::new(Unit::new(description)))
         };
         let index = self.units.len();
-        self.units.entry((name.span.text, &name.text)).or_insert_with(|| (index, load())).clone()
-    }
-
-    fn declare(
-        &mut self,
-        frame: FrameId,
-        name: &'a Word,
-        declaration: Declaration<'a>,
-        reserved: &[&str],
-        found: &mut Vec<Diagnostic>,
-    ) {
-        if reserved.contains(&name.text.as_str()) {
-            let meaning = match name.text.as_str() {
-                "time" => "the seconds since the start",
-                "pi" => "3.14159…",
-                _ => "the parameter of all random numbers",
-            };
-            let error = Diagnostic::error("E24", name.span, format!("`{}` has a meaning already", name.text));
-            let help = if name.text == "seed" { "write `param seed = …`" } else { "choose another name" };
-            found.push(error.saying(meaning).help(help));
-            self.refuse_name(frame, name);
-            return;
-        }
-        if let Err(first) = self.frames.declare(frame, &name.text, declaration) {
-            let message = format!("`{}` is declared twice", name.text);
-            let error = Diagnostic::error("E24", name.span, message).label(first, "declared here first");
-            found.push(error.help("rename one of them"));
-            self.frames.refuse_if_unlike(frame, name, declaration);
-        }
-    }
-
-    fn require(&self, request: &Request<'a>, found: &mut Vec<Diagnostic>) {
-        let top = request.file.statements.first().map_or(Span::default(), |statement| statement.span);
-        let mut missing = |is_there: bool, message: &str, help: &str| {
-            if !is_there {
-                found.push(Diagnostic::error("E25", top, message).help(help));
-            }
-        };
-        missing(
-            self.title.is_some(),
-            "this file has no `scenario` line",
-            "a script begins like `scenario \"Quadcopter in wind\"`; a file without that line is a part of others",
-        );
-        missing(self.step.is_some(), "this script does not say its `step`", "write for example `step 10 ms`");
-        missing(
-            self.stop.is_some() || self.stop_refused,
-            "this script does not say when to stop",
-            "write for example `stop 60 s`",
-        );
+        // A bare name means the same in all texts, a path is relative to the folder of its text.
+        let folder = std::path::Path::new(&request.sources.of(name.span).name).parent().filter(|_| is_path(&name.text));
+        let folder = folder.map(|folder| folder.to_string_lossy().into_owned()).unwrap_or_default();
+        self.units.entry((folder, &name.text)).or_insert_with(|| (index, load())).clone()
     }
 }
 
-/// Takes a statement that may occur once.
-fn once<'a, T: ?Sized>(
-    place: &mut Option<&'a T>,
-    value: &'a T,
-    span: fn(&T) -> Span,
-    word: &str,
-    found: &mut Vec<Diagnostic>,
-) {
-    match place {
-        Some(first) => found.push(
-            Diagnostic::error("E25", span(value), format!("`{word}` stands twice"))
-                .label(span(first), "the first")
-                .help("a script has one of it"),
-        ),
-        None => *place = Some(value),
-    }
+/// Whether an `fmu` line names a file.
+fn is_path(unit: &str) -> bool {
+    unit.to_ascii_lowercase().ends_with(".fmu")
 }

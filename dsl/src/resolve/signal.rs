@@ -5,6 +5,7 @@ use std::rc::Rc;
 use fmi2::description::{Causality, Kind};
 
 use super::meaning::{Condition, Group, Meaning, Text};
+use super::path::Root;
 use super::scope::Scope;
 use super::script::{Declaration, not_yet};
 use crate::diagnostic::Diagnostic;
@@ -46,12 +47,21 @@ impl Group {
 impl Scope<'_, '_> {
     /// The signal of a path that must begin with the name of an instance; `None` is reported, or follows from what was.
     pub fn signal(&self, path: &Path) -> Option<Signal> {
-        match self.refer_to(&path.root.text).map(|found| found.part) {
-            Some(Declaration::Instance(instance, _)) => self.walk(instance, String::new(), &path.tail, path),
-            Some(Declaration::Refused(_)) => None,
-            Some(Declaration::Parameter(_)) => self.refuse(not_a_port(&path.root, "a parameter of the script")),
-            Some(Declaration::Let(_)) => self.refuse(not_a_port(&path.root, "a `let` of the script")),
-            None => self.refuse_unknown_name(&path.root, |declared| matches!(declared, Declaration::Instance(..)), &[]),
+        let (declaration, tail) = match self.root(path) {
+            Root::Declared(found, tail) => (found.part, tail),
+            Root::Reported => return None,
+            Root::Unknown => {
+                let is_meant =
+                    |declared: &Declaration<'_>| matches!(declared, Declaration::Instance(..) | Declaration::Part(..));
+                return self.refuse_unknown_name(&path.root, is_meant, &[]);
+            }
+        };
+        match declaration {
+            Declaration::Instance(instance, _) => self.walk(instance, String::new(), tail, path),
+            Declaration::Part(..) | Declaration::Refused(_) => None,
+            Declaration::Parameter(_) => self.refuse(not_a_port(&path.root, "a parameter of the script")),
+            Declaration::Let(_) => self.refuse(not_a_port(&path.root, "a `let` of the script")),
+            Declaration::Counter(..) => self.refuse(not_a_port(&path.root, "the counter of a loop")),
         }
     }
 
@@ -78,9 +88,10 @@ impl Scope<'_, '_> {
             }
         }
         if prefix.is_empty() {
-            let message = format!("`{}` is a whole unit, and one of its ports is meant here", path.root.text);
+            let name = &self.script.instances[instance].name;
+            let message = format!("`{name}` is a whole unit, and one of its ports is meant here");
             let first = unit.variables.first().map_or("", |first| &first.name);
-            let help = format!("for example `{}.{}`", path.root.text, spelling::variable(first));
+            let help = format!("for example `{name}.{}`", spelling::variable(first));
             return self.refuse(Diagnostic::error("E01", path.span, message).help(help));
         }
         if let Some(variable) = unit.variable(&prefix) {
@@ -124,8 +135,7 @@ impl Scope<'_, '_> {
             return Some(quoted);
         }
         let declared = &self.script.instances[instance];
-        let owner =
-            if prefix.is_empty() { declared.name.text.clone() } else { format!("{}.{prefix}", declared.name.text) };
+        let owner = if prefix.is_empty() { declared.name.clone() } else { format!("{}.{prefix}", declared.name) };
         let all = format!("All {}: lockstep describe {}", unit.variables.len(), declared.unit.text);
         let message = format!("`{owner}` has no variable `{}`", word.text);
         let error = Diagnostic::error("E01", word.span, message).help(all.clone());
@@ -141,7 +151,7 @@ impl Scope<'_, '_> {
     }
 
     fn refuse_element<T>(&self, instance: usize, prefix: String, element: &str, span: Span) -> Option<T> {
-        let name = format!("{}.{prefix}", self.script.instances[instance].name.text);
+        let name = format!("{}.{prefix}", self.script.instances[instance].name);
         let index = element.strip_prefix(&prefix).unwrap_or(element);
         let error = Diagnostic::error("E01", span, format!("`{name}` has no element `{index}`"));
         self.refuse_and_search(error, move |scope| {

@@ -32,7 +32,7 @@ impl Scope<'_, '_> {
             }
         }
         for (instance, declared) in self.script.instances.iter().enumerate() {
-            let Some(unit) = self.description(instance).filter(|_| self.is_used(declared.name.span)) else { continue };
+            let Some(unit) = self.description(instance).filter(|_| self.is_used(declared.word.span)) else { continue };
             for (group, inputs) in groups(unit) {
                 let is_open = |variable: &usize| !given.contains(&Port { instance, variable: *variable });
                 let open: Vec<usize> = inputs.iter().copied().filter(is_open).collect();
@@ -50,7 +50,7 @@ impl Scope<'_, '_> {
             &[one] => unit.variables[one].name.as_str(),
             _ => group,
         };
-        let port = format!("`{}.{}`", name.text, spelling::variable(named));
+        let port = format!("`{name}.{}`", spelling::variable(named));
         let has_start = open.iter().all(|&variable| unit.variables[variable].has_start());
         let (what, them, keeps) = match open.len() {
             1 => (port, "it", "it keeps its start value"),
@@ -66,7 +66,7 @@ impl Scope<'_, '_> {
             self.values(instance, group, open, &mut values);
             format!("connect {them}, or write into the braces of this line: `{{ {} }}`", values.join(", "))
         };
-        Diagnostic::warning("W02", name.span, message).saying(keeps).help(help)
+        Diagnostic::warning("W02", self.script.instances[instance].word.span, message).saying(keeps).help(help)
     }
 
     /// The start values of inputs as the braces of an `fmu` line take them: `wind = [0, 0, 0] m/s`. A group becomes a list

@@ -30,7 +30,7 @@ impl Scope<'_, '_> {
                     "{} in the built-in table, {} in {}",
                     shown(built_in),
                     shown(*loaded),
-                    self.script.instances[*owner].name.text
+                    self.script.instances[*owner].name
                 ));
                 self.refuse(error.help("write the quantity in another unit"))
             }

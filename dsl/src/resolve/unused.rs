@@ -15,22 +15,26 @@ impl Scope<'_, '_> {
             let variables = instance.description.iter().flat_map(|unit| &unit.variables);
             let mut ports = variables.filter(|it| matches!(it.causality, Causality::Input | Causality::Output));
             if ports.next().is_some() {
-                self.warn_of_unused(instance.name, "connect it, record or judge one of its ports, or drop the line");
+                self.warn_of_unused(
+                    &instance.name,
+                    instance.word,
+                    "connect it, record or judge one of its ports, or drop the line",
+                );
             }
         }
         for parameter in &script.parameters {
             let help = "write it where its value is meant to act, or drop the line";
-            self.warn_of_unused(&parameter.part.name, help);
+            self.warn_of_unused(&parameter.part.name.text, &parameter.part.name, help);
         }
         for binding in &script.lets {
-            self.warn_of_unused(&binding.part.name, "use it or drop the line");
+            self.warn_of_unused(&binding.part.name.text, &binding.part.name, "use it or drop the line");
         }
     }
 
-    fn warn_of_unused(&self, name: &Word, help: &str) {
-        if !self.is_used(name.span) {
-            let message = format!("`{}` is not used", name.text);
-            self.report(Diagnostic::warning("W06", name.span, message).help(help));
+    fn warn_of_unused(&self, name: &str, word: &Word, help: &str) {
+        if !self.is_used(word.span) {
+            let message = format!("`{name}` is not used");
+            self.report(Diagnostic::warning("W06", word.span, message).help(help));
         }
     }
 

@@ -54,7 +54,7 @@ impl Scope<'_, '_> {
 
     fn circle_of_waves(&self, edges: &BTreeSet<Edge>, waves: &[Option<usize>], stuck: usize) -> Diagnostic {
         let circle = circle(edges, waves, stuck);
-        let name = |instance: usize| self.script.instances[instance].name.text.as_str();
+        let name = |instance: usize| self.script.instances[instance].name.as_str();
         let names: Vec<_> =
             circle.iter().map(|edge| name(edge.from)).chain(circle.first().map(|edge| name(edge.from))).collect();
         let message = format!("these connections wait for each other within one step: {}", names.join(" => "));

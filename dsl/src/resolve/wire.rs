@@ -9,6 +9,7 @@ use super::assign::Role;
 use super::fit::{Fitted, Meeting};
 use super::frame::Placed;
 use super::meaning::Meaning;
+use super::path::Root;
 use super::scope::Scope;
 use super::script::{Declaration, Wire, not_yet};
 use super::signal::Signal;
@@ -74,9 +75,7 @@ impl Scope<'_, '_> {
         let (ExpressionKind::Path(source), [(target, Some(target_signal))]) = (&wire.source.kind, targets) else {
             return None;
         };
-        let Some(Declaration::Instance(..)) = self.look_up(&source.root.text).map(|found| found.part) else {
-            return None;
-        };
+        let Root::Declared(Placed { part: Declaration::Instance(..), .. }, _) = self.root(source) else { return None };
         let source_signal = self.signal(source)?;
         let are_all =
             |signal: &Signal, causality| signal.ports().iter().all(|port| self.variable(*port).causality == causality);
@@ -163,7 +162,7 @@ impl Scope<'_, '_> {
                 let step_ns = self.grid().map_or(0, |grid| grid.step_ns);
                 duration(periods[instance].saturating_mul(step_ns))
             };
-            let name = |instance: usize| &self.script.instances[instance].name.text;
+            let name = |instance: usize| &self.script.instances[instance].name;
             let message = format!(
                 "`=>` needs periods of which one divides the other, but `{}` steps every {} and `{}` every {}",
                 name(giver),

@@ -6,6 +6,7 @@ use crate::find::catalogue::Catalogue;
 use dsl::diagnostic::{Diagnostic, Severity, render};
 use dsl::loader::{Loader, Problem, Table};
 use dsl::parse::{parse, parse_assignment};
+use dsl::parts::Parts;
 use dsl::resolve::{Request, resolve};
 use dsl::scenario::Scenario;
 use dsl::source::{Source, Sources};
@@ -128,7 +129,13 @@ impl Script {
 
     fn resolve(&mut self, file: &File, settings: &[Binding], catalogue: &Catalogue, isolated: bool) {
         let files = Files { name: &self.name, folder: &self.folder, catalogue, units: Mutex::default() };
-        let resolved = resolve(&Request { sources: &self.sources, file, loader: &files, settings, isolated });
+        let parts = Parts::load(&mut self.sources, file, &files);
+        if !parts.diagnostics.is_empty() {
+            self.diagnostics = parts.diagnostics;
+            return;
+        }
+        let request = Request { sources: &self.sources, file, parts: &parts, loader: &files, settings, isolated };
+        let resolved = resolve(&request);
         self.units = files.units.into_inner().unwrap_or_else(PoisonError::into_inner);
         self.diagnostics = resolved.diagnostics;
         self.scenario = resolved.scenario;

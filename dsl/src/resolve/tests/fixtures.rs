@@ -9,6 +9,7 @@ use fmi2::description::read::read;
 use crate::diagnostic::{Diagnostic, render};
 use crate::loader::{Loader, Problem, Table};
 use crate::parse::{parse, parse_assignment};
+use crate::parts::Parts;
 use crate::resolve::{Request, Resolved, resolve};
 use crate::scenario::Scenario;
 use crate::source::{Source, Sources};
@@ -191,7 +192,16 @@ fn description_with(name: &str, units: &str, lines: &str) -> ModelDescription {
     read(xml.as_bytes()).map_or_else(|finding| panic!("{name}: {finding:?}"), |(description, _)| description)
 }
 
-/// The units of the tests, a part and a table.
+/// A part with a value, units and a claim.
+const UAV: &str = "param speed = 3 m/s
+fmu air = \"wind\" every 20 ms { mean = [speed, 0 m/s, 0 m/s], seed = seed, stream = 7 }
+fmu body = \"quadcopter\"
+let double = 2 * speed
+air.velocity -> body.wind
+assert low: always body.state.position.z < 100 m
+";
+
+/// The units of the tests, parts and a table.
 pub(super) struct Memory;
 
 fn missing(what: &str, name: &str) -> Problem {
@@ -220,7 +230,16 @@ impl Loader for Memory {
     }
 
     fn text(&self, _: &Source, path: &str) -> Result<Source, Problem> {
-        if path == "part.scn" { Ok(Source::new(path, "param slot = 1 m\n")) } else { Err(missing("file", path)) }
+        let text = match path {
+            "part.scn" => "param slot = 1 m\n",
+            "uav.scn" => UAV,
+            "pair.scn" => "use left = \"uav.scn\"\nfor k in 1..2 { use more[k] = \"uav.scn\" { speed = k * 2 m/s } }",
+            "circle.scn" => "use again = \"circle.scn\"",
+            "run.scn" => "scenario \"A run\"\nstep 1 s\nstop 2 s\nstop when true\nsweep { seed in 1..2 }",
+            "broken.scn" => "param = 3 m\n",
+            _ => return Err(missing("file", path)),
+        };
+        Ok(Source::new(path, text))
     }
 
     fn file(&self, _: &Source, path: &str) -> Result<(), Problem> {
@@ -268,8 +287,12 @@ fn attempt(script: &str, settings: &[&str]) -> Result<Outcome, String> {
         .into_iter()
         .map(|setting| parse_assignment(&sources, setting).expect("a setting that parses"))
         .collect();
-    let request =
-        Request { sources: &sources, file: &parsed.file, loader: &Memory, settings: &settings, isolated: false };
+    let (file, loader) = (&parsed.file, &Memory);
+    let parts = Parts::load(&mut sources, file, loader);
+    if !parts.diagnostics.is_empty() {
+        return Err(render(&sources, &parts.diagnostics, false));
+    }
+    let request = Request { sources: &sources, file, parts: &parts, loader, settings: &settings, isolated: false };
     let resolved = resolve(&request);
     Ok(Outcome { sources, resolved })
 }

@@ -7,6 +7,7 @@ use fmi2::description::ModelDescription;
 use super::fixtures::{Memory, flight};
 use crate::loader::{Loader, Problem, Table};
 use crate::parse::parse;
+use crate::parts::Parts;
 use crate::resolve::{Request, resolve};
 use crate::source::{Source, Sources};
 
@@ -47,8 +48,14 @@ fn calls(script: &str) -> Vec<String> {
     let text = sources.add("scenarios/test.scn", script);
     let parsed = parse(&sources, text);
     let loader = Noting::default();
-    let resolved =
-        resolve(&Request { sources: &sources, file: &parsed.file, loader: &loader, settings: &[], isolated: false });
+    let resolved = resolve(&Request {
+        sources: &sources,
+        file: &parsed.file,
+        parts: &Parts::default(),
+        loader: &loader,
+        settings: &[],
+        isolated: false,
+    });
     assert!(!resolved.diagnostics.is_empty(), "nothing is connected");
     loader.0.into_inner().expect("no test panics here")
 }

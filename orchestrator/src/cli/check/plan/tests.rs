@@ -3,6 +3,7 @@
 use super::text;
 use dsl::loader::{Loader, Problem, Table};
 use dsl::parse::parse;
+use dsl::parts::Parts;
 use dsl::resolve::{Request, resolve};
 use dsl::source::{Source, Sources};
 use fmi2::description::ModelDescription;
@@ -79,8 +80,14 @@ fn plan(script: &str, description: &str) -> String {
     let (description, _) = read(description.as_bytes()).unwrap();
     let description = Arc::new(description);
     let tank = Tank(Arc::clone(&description));
-    let resolved =
-        resolve(&Request { sources: &sources, file: &parsed.file, loader: &tank, settings: &[], isolated: false });
+    let resolved = resolve(&Request {
+        sources: &sources,
+        file: &parsed.file,
+        parts: &Parts::default(),
+        loader: &tank,
+        settings: &[],
+        isolated: false,
+    });
     let scenario = resolved.scenario.unwrap_or_else(|| panic!("{:?}", resolved.diagnostics));
     text(&scenario, &vec![description.as_ref(); scenario.instances.len()])
 }

@@ -1,0 +1,93 @@
+//! The beginning of a path: which declared name it means, also through parts and with an index, as `wing[1].body`.
+
+use super::frame::{FrameId, Placed};
+use super::scope::Scope;
+use super::script::Declaration;
+use crate::diagnostic::Diagnostic;
+use crate::nearest::nearest;
+use crate::syntax::{Path, Segment, Word};
+
+/// What the beginning of a path means.
+pub(super) enum Root<'p, 'a> {
+    /// A declared name, with the frame that declares it and the rest of the path.
+    Declared(Placed<Declaration<'a>>, &'p [Segment]),
+    /// No declared name.
+    Unknown,
+    /// What is wrong was reported.
+    Reported,
+}
+
+impl<'a> Scope<'_, 'a> {
+    /// What the beginning of a path that a statement refers to means; the names on the way are used then.
+    pub fn root<'p>(self, path: &'p Path) -> Root<'p, 'a> {
+        let Some((mut found, mut tail)) = (match self.look_up(&path.root.text) {
+            Some(found) => Some((found, &path.tail[..])),
+            None => match self.indexed(&path.root, &path.tail, |scope, name| scope.look_up(name)) {
+                Ok(indexed) => indexed,
+                Err(Reported) => return Root::Reported,
+            },
+        }) else {
+            return Root::Unknown;
+        };
+        self.note_use(&found);
+        while let Declaration::Part(inner, word) = found.part {
+            match self.within(inner, word, tail, path) {
+                Some((next, rest)) => (found, tail) = (next, rest),
+                None => return Root::Reported,
+            }
+            self.note_use(&found);
+        }
+        Root::Declared(found, tail)
+    }
+
+    /// A name with the index behind it, if there is one.
+    fn indexed<'p>(
+        self,
+        word: &Word,
+        tail: &'p [Segment],
+        look_up: impl FnOnce(Self, &str) -> Option<Placed<Declaration<'a>>>,
+    ) -> Result<Option<(Placed<Declaration<'a>>, &'p [Segment])>, Reported> {
+        let Some((Segment::Index(index, _), rest)) = tail.split_first() else { return Ok(None) };
+        let index = self.index_text(index).ok_or(Reported)?;
+        Ok(look_up(self, &format!("{}{index}", word.text)).map(|found| (found, rest)))
+    }
+
+    /// The name in a part that a path goes on with.
+    fn within<'p>(
+        self,
+        part: FrameId,
+        name: &Word,
+        tail: &'p [Segment],
+        path: &Path,
+    ) -> Option<(Placed<Declaration<'a>>, &'p [Segment])> {
+        let Some((Segment::Field(word), rest)) = tail.split_first() else {
+            let message = format!("`{}` is a whole part, and one of its units is meant here", self.text(path.span));
+            let first = self.script.frames.names(part).find(|(_, it)| matches!(it, Declaration::Instance(..)));
+            let help = first.map_or("a part without units has nothing to name".to_owned(), |(first, _)| {
+                format!("for example `{}.{first}`", name.text)
+            });
+            return self.refuse(Diagnostic::error("E01", path.span, message).help(help));
+        };
+        let own = move |scope: Self, name: &str| scope.script.frames.own(part, name);
+        if let Some(found) = own(self, &word.text) {
+            return Some((found, rest));
+        }
+        if let Some(found) = self.indexed(word, rest, own).ok()? {
+            return Some(found);
+        }
+        let message = format!("the part `{}` has no name `{}`", name.text, word.text);
+        let names = self.script.frames.names(part).map(|(name, _)| name);
+        let help = match nearest(&word.text, names) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "a name of a part comes from a `fmu`, `use`, `param` or `let` line of its file".to_owned(),
+        };
+        self.refuse(Diagnostic::error("E01", word.span, message).help(help))
+    }
+
+    fn note_use(self, found: &Placed<Declaration<'a>>) {
+        self.shared.used.borrow_mut().insert(found.part.span());
+    }
+}
+
+/// That what is wrong was reported.
+struct Reported;
