@@ -68,6 +68,11 @@ impl Parts {
         }
     }
 
+    /// The parts in the order in which they were loaded.
+    pub fn iter(&self) -> impl Iterator<Item = &Part> {
+        self.parts.iter()
+    }
+
     /// The part that a `use` line names at a place, or why there is none; `None` if it was not loaded.
     #[must_use]
     pub fn get(&self, place: Span) -> Option<Result<&Part, &Problem>> {

@@ -120,7 +120,10 @@ pub fn prepare(mut script: Script, unpacked: &UnpackedUnits, options: RunOptions
         return Err(Refusal(script.rendered(has_colour(&std::io::stderr()))));
     };
     check_log_calls(&options.log_calls, &scenario)?;
-    let files = files_of(&scenario, &script.folder)?.into_iter().chain(options.files.iter().cloned()).collect();
+    let parts = script.parts.iter().map(|&part| script.part(part));
+    let parts = parts.map(|(name, text)| HashedFile { name, sha256: sha256(text.as_bytes()) });
+    let files = files_of(&scenario, &script.folder)?.into_iter().chain(options.files.iter().cloned());
+    let files = parts.chain(files).collect();
     let UnpackedUnits { home, units } = unpacked;
     let hash = |unit: &UnitSpec| HashedFile { name: unit.name.clone(), sha256: unit.sha256.clone() };
     let mut record = record(&script, &scenario, units.iter().map(hash).collect(), files);

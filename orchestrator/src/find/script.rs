@@ -8,8 +8,8 @@ use dsl::loader::{Loader, Problem, Table};
 use dsl::parse::{parse, parse_assignment};
 use dsl::parts::Parts;
 use dsl::resolve::{Request, resolve};
-use dsl::scenario::Scenario;
-use dsl::source::{Source, Sources};
+use dsl::scenario::{Scenario, Value};
+use dsl::source::{FileRef, Source, Sources};
 use dsl::syntax::{Binding, File};
 use fmi2::description::check::check;
 use fmi2::description::{Finding, ModelDescription};
@@ -35,6 +35,8 @@ pub struct Script {
     pub diagnostics: Vec<Diagnostic>,
     /// What it means, unless something is wrong.
     pub scenario: Option<Scenario>,
+    /// Its parts, as texts of `sources`.
+    pub parts: Vec<u32>,
     /// Its units, each once, in order of first use, which is that of [`Scenario::units`]; those that were found.
     pub units: Vec<ScriptUnit>,
 }
@@ -80,8 +82,8 @@ impl Script {
         catalogue: &Catalogue,
     ) -> Self {
         let (file, diagnostics) = tree.map_or_else(|wrong| (None, wrong), |file| (Some(file), Vec::new()));
-        let (scenario, units) = (None, Vec::new());
-        let mut script = Self { name, folder: PathBuf::from("."), text, sources, diagnostics, scenario, units };
+        let (folder, scenario, parts, units) = (PathBuf::from("."), None, Vec::new(), Vec::new());
+        let mut script = Self { name, folder, text, sources, diagnostics, scenario, parts, units };
         if let Some(file) = file {
             script.resolve(&file, &[], catalogue, false);
         }
@@ -103,6 +105,7 @@ impl Script {
             sources: Sources::default(),
             diagnostics: Vec::new(),
             scenario: None,
+            parts: Vec::new(),
             units: Vec::new(),
         };
         let file_text = script.sources.add(name, text);
@@ -139,6 +142,28 @@ impl Script {
         self.units = files.units.into_inner().unwrap_or_else(PoisonError::into_inner);
         self.diagnostics = resolved.diagnostics;
         self.scenario = resolved.scenario;
+        self.parts = parts.iter().map(|part| part.text).collect();
+        self.files_beside_script();
+    }
+
+    /// Names the files that parts name by paths that are relative to the script's folder.
+    fn files_beside_script(&mut self) {
+        let presets = self.scenario.iter_mut().flat_map(|scenario| &mut scenario.instances);
+        for preset in presets.flat_map(|instance| &mut instance.presets) {
+            if let Value::File(file) = &mut preset.value
+                && self.parts.contains(&file.from)
+                && let Some(folder) = Path::new(self.sources.name(file.from)).parent()
+            {
+                let folder = folder.strip_prefix(&self.folder).unwrap_or(folder);
+                *file = FileRef { from: 0, path: folder.join(&file.path).display().to_string() };
+            }
+        }
+    }
+
+    /// The name of a part, relative to the script's folder, and its text.
+    pub fn part(&self, part: u32) -> (String, &str) {
+        let name = Path::new(self.sources.name(part));
+        (name.strip_prefix(&self.folder).unwrap_or(name).display().to_string(), self.sources.text(part))
     }
 
     /// Whether something is wrong.
@@ -173,7 +198,8 @@ impl Files<'_> {
     }
 
     fn read(&self, from: &Source, path: &str) -> Result<(PathBuf, String), Problem> {
-        let file = self.folder_of(from).join(path);
+        let folder = self.folder_of(from);
+        let file = if folder == Path::new(".") { PathBuf::from(path) } else { folder.join(path) };
         match std::fs::read_to_string(&file) {
             Ok(text) => Ok((file, text)),
             Err(error) => Err(Problem { message: format!("`{path}` cannot be read: {error}"), help: None }),
