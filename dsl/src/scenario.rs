@@ -389,10 +389,54 @@ pub struct TickWindow {
 }
 
 /// One column of the trace.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Column {
-    /// `instance.variable`.
+    /// `instance.variable`, or the name of a `let`.
     pub name: String,
-    /// The port.
-    pub port: Port,
+    /// What it shows.
+    pub source: ColumnSource,
+    /// Its period in ticks.
+    pub every: u64,
+}
+
+/// What a column shows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ColumnSource {
+    /// The value of a port, as its unit has it.
+    Port(Port),
+    /// A real `let`.
+    Real {
+        /// The value, in the unit of measure in which it is shown.
+        value: RealExpression,
+        /// That unit; empty for plain numbers.
+        unit: String,
+    },
+    /// A Boolean `let`, as 0 or 1.
+    Condition(BooleanExpression),
+}
+
+impl Column {
+    /// A column that shows a port at each tick.
+    #[must_use]
+    pub fn of_port(name: impl Into<String>, port: Port) -> Self {
+        Self { name: name.into(), source: ColumnSource::Port(port), every: 1 }
+    }
+
+    /// The port, unless it shows a `let`.
+    #[must_use]
+    pub fn port(&self) -> Option<Port> {
+        match self.source {
+            ColumnSource::Port(port) => Some(port),
+            ColumnSource::Real { .. } | ColumnSource::Condition(_) => None,
+        }
+    }
+
+    /// Visits each port that a `let` is computed from.
+    pub fn reads(&self, slots: Slots<'_>, visit: &mut dyn FnMut(Port)) {
+        match &self.source {
+            ColumnSource::Port(_) => {}
+            ColumnSource::Real { value, .. } => value.reads(slots, visit),
+            ColumnSource::Condition(condition) => condition.reads(slots, visit),
+        }
+    }
 }

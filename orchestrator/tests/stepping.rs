@@ -44,7 +44,7 @@ fn scenario() -> Scenario {
         ],
     };
     let set = |variable, value| Set { target: port(0, variable), value };
-    let column = |(instance, variable)| Column { name: String::new(), port: port(instance, variable) };
+    let column = |(instance, variable)| Column::of_port("", port(instance, variable));
     Scenario {
         title: "Two units".to_owned(),
         step_ns: 500_000_000,

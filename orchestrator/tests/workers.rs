@@ -67,7 +67,7 @@ fn scenario() -> Scenario {
         conditions: Vec::new(),
         shared: Vec::new(),
         claims: Vec::new(),
-        columns: columns.map(|port| Column { name: String::new(), port }).collect(),
+        columns: columns.map(|port| Column::of_port("", port)).collect(),
     }
 }
 

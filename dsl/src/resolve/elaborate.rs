@@ -96,10 +96,8 @@ impl<'a> Elaboration<'a> {
             StatementKind::Assert { name, claim } => self.claim(frame, name, claim),
             StatementKind::Record { signals, every } => {
                 script.has_record = true;
-                script.records.extend(signals.iter().map(|part| Placed { frame, part }));
-                if let Some(every) = every {
-                    found.push(not_yet(every.span, "`record` with `every`"));
-                }
+                let recorded = signals.iter().map(|path| Placed { frame, part: (path, every.as_ref()) });
+                script.records.extend(recorded);
             }
             StatementKind::Wire { source, arrow, arrow_span, targets } => {
                 let part = Wire { source, arrow: *arrow, arrow_span: *arrow_span, targets };

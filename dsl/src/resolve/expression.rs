@@ -115,6 +115,10 @@ impl Scope<'_, '_> {
     }
 
     fn path(&self, path: &Path) -> Option<Rc<Meaning>> {
+        if path.tail.iter().any(|segment| matches!(segment, Segment::AllIndices(_))) {
+            let elements = self.expanded(path).iter().map(|path| self.path(path)).collect::<Option<Vec<_>>>()?;
+            return (!elements.is_empty()).then(|| Rc::new(Meaning::List(elements)));
+        }
         let root = path.root.text.as_str();
         let is_refused = || matches!(self.look_up(root).map(|found| found.part), Some(Declaration::Refused(_)));
         let builtin = match root {

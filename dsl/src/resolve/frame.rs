@@ -97,6 +97,11 @@ impl<'a> Frames<'a> {
         format!("{prefix}{name}{suffix}")
     }
 
+    /// How the names of all instances of a part begin.
+    pub fn prefix(&self, part: FrameId) -> &str {
+        &self.0[part.0].prefix
+    }
+
     /// The value that `use` gives to a parameter of a part.
     pub fn given(&self, frame: FrameId, parameter: &str) -> Option<Placed<&'a Expression>> {
         self.0[frame.0].values.get(parameter).copied()

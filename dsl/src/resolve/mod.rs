@@ -89,6 +89,7 @@ mod scope;
 mod script;
 mod share;
 mod signal;
+mod stars;
 mod temporal;
 mod undeclared;
 mod undriven;

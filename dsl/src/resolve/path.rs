@@ -18,8 +18,20 @@ pub(super) enum Root<'p, 'a> {
 }
 
 impl<'a> Scope<'_, 'a> {
-    /// What the beginning of a path that a statement refers to means; the names on the way are used then.
+    /// What the beginning of a path that a statement refers to means; the names on the way are used then. A path to a whole
+    /// part is refused.
     pub fn root<'p>(self, path: &'p Path) -> Root<'p, 'a> {
+        match self.root_or_part(path) {
+            Root::Declared(Placed { part: Declaration::Part(part, name), .. }, _) => {
+                self.report(self.whole_part(part, name, path));
+                Root::Reported
+            }
+            root => root,
+        }
+    }
+
+    /// The same for a path that may name a whole part, which leaves nothing of it.
+    pub fn root_or_part<'p>(self, path: &'p Path) -> Root<'p, 'a> {
         let Some((mut found, mut tail)) = (match self.look_up(&path.root.text) {
             Some(found) => Some((found, &path.tail[..])),
             None => match self.indexed(&path.root, &path.tail, |scope, name| scope.look_up(name)) {
@@ -30,7 +42,7 @@ impl<'a> Scope<'_, 'a> {
             return Root::Unknown;
         };
         self.note_use(&found);
-        while let Declaration::Part(inner, word) = found.part {
+        while let (Declaration::Part(inner, word), false) = (found.part, tail.is_empty()) {
             match self.within(inner, word, tail, path) {
                 Some((next, rest)) => (found, tail) = (next, rest),
                 None => return Root::Reported,
@@ -61,12 +73,7 @@ impl<'a> Scope<'_, 'a> {
         path: &Path,
     ) -> Option<(Placed<Declaration<'a>>, &'p [Segment])> {
         let Some((Segment::Field(word), rest)) = tail.split_first() else {
-            let message = format!("`{}` is a whole part, and one of its units is meant here", self.text(path.span));
-            let first = self.script.frames.names(part).find(|(_, it)| matches!(it, Declaration::Instance(..)));
-            let help = first.map_or("a part without units has nothing to name".to_owned(), |(first, _)| {
-                format!("for example `{}.{first}`", name.text)
-            });
-            return self.refuse(Diagnostic::error("E01", path.span, message).help(help));
+            return self.refuse(self.whole_part(part, name, path));
         };
         let own = move |scope: Self, name: &str| scope.script.frames.own(part, name);
         if let Some(found) = own(self, &word.text) {
@@ -82,6 +89,15 @@ impl<'a> Scope<'_, 'a> {
             None => "a name of a part comes from a `fmu`, `use`, `param` or `let` line of its file".to_owned(),
         };
         self.refuse(Diagnostic::error("E01", word.span, message).help(help))
+    }
+
+    fn whole_part(self, part: FrameId, name: &Word, path: &Path) -> Diagnostic {
+        let message = format!("`{}` is a whole part, and one of its units is meant here", self.text(path.span));
+        let first = self.script.frames.names(part).find(|(_, it)| matches!(it, Declaration::Instance(..)));
+        let help = first.map_or("a part without units has nothing to name".to_owned(), |(first, _)| {
+            format!("for example `{}.{first}`", name.text)
+        });
+        Diagnostic::error("E01", path.span, message).help(help)
     }
 
     fn note_use(self, found: &Placed<Declaration<'a>>) {

@@ -36,8 +36,8 @@ pub(super) struct Script<'a> {
     pub windows: Vec<Placed<&'a Window>>,
     /// `assert`
     pub claims: Vec<Placed<ClaimLine<'a>>>,
-    /// The paths of `record`.
-    pub records: Vec<Placed<&'a Path>>,
+    /// The paths of `record`, each with the `every` of its line.
+    pub records: Vec<Placed<(&'a Path, Option<&'a Expression>)>>,
     /// Whether there is a `record` line.
     pub has_record: bool,
     /// The declarations of names.

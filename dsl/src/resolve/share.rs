@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::meaning::Meaning;
-use crate::scenario::{Action, BooleanExpression, Drive, Formula, RealExpression as E, Scenario};
+use crate::scenario::{Action, BooleanExpression, ColumnSource, Drive, Formula, RealExpression as E, Scenario};
 
 /// An expression apart from its parts: its kind and what else distinguishes it from others.
 type Head = (u8, u64, u64);
@@ -142,6 +142,13 @@ fn expressions(scenario: &mut Scenario, visit: &mut dyn FnMut(&mut E)) {
     }
     scenario.conditions.iter_mut().for_each(|condition| of_condition(&mut condition.is, visit));
     scenario.claims.iter_mut().for_each(|claim| of_formula(&mut claim.formula, visit));
+    for column in &mut scenario.columns {
+        match &mut column.source {
+            ColumnSource::Port(_) => {}
+            ColumnSource::Real { value, .. } => visit(value),
+            ColumnSource::Condition(condition) => of_condition(condition, visit),
+        }
+    }
 }
 
 fn of_condition(condition: &mut BooleanExpression, visit: &mut dyn FnMut(&mut E)) {

@@ -7,7 +7,7 @@ use fmi2::description::{Causality, Kind};
 use super::meaning::{Condition, Group, Meaning, Text};
 use super::path::Root;
 use super::scope::Scope;
-use super::script::{Declaration, not_yet};
+use super::script::Declaration;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
 use crate::scenario::{BooleanExpression, Port};
@@ -83,8 +83,11 @@ impl Scope<'_, '_> {
                     let picked: Vec<_> = words.iter().map(pick).collect();
                     return picked.into_iter().collect::<Option<_>>().map(Signal::Picked);
                 }
-                Segment::AllIndices(span) => return self.refuse(not_yet(*span, "`[*]`")),
-                Segment::All(span) => return self.refuse(not_yet(*span, "`.*`")),
+                Segment::AllIndices(span) | Segment::All(span) => {
+                    let message = format!("`{}` names many variables", self.text(*span));
+                    let error = Diagnostic::error("E21", *span, message);
+                    return self.refuse(error.help("it stands in `record`, `[*]` also in `min max sum any all`"));
+                }
             }
         }
         if prefix.is_empty() {

@@ -1,22 +1,44 @@
 //! The metadata of each recorded column, from the scenario and the descriptions of its units.
 
 use crate::values::ValueType;
-use dsl::scenario::{Column, Scenario};
+use dsl::scenario::{Column, ColumnSource, Scenario};
 use fmi2::description::{Kind, ModelDescription, Variable};
-use results::signals::{Signal, SlotType};
+use results::signals::{Signal, SlotType, time};
 
 /// The signals of a scenario's columns, in their order; `description_of` returns the description of an instance.
 pub fn of<'a>(
     scenario: &'a Scenario,
     description_of: impl Fn(usize) -> &'a ModelDescription,
 ) -> impl Iterator<Item = Signal<'a>> {
-    scenario.columns.iter().map(move |column| {
-        signal(column, &scenario.instances[column.port.instance].name, description_of(column.port.instance))
+    scenario.columns.iter().map(move |column| match &column.source {
+        ColumnSource::Port(port) => {
+            let (instance, description) = (&scenario.instances[port.instance].name, description_of(port.instance));
+            signal(column, instance, (description, &description.variables[port.variable]))
+        }
+        ColumnSource::Real { unit, .. } => of_script(column, ("Real", SlotType::Real), unit),
+        ColumnSource::Condition(_) => of_script(column, ("Boolean", SlotType::Boolean), ""),
     })
 }
 
-fn signal<'a>(column: &'a Column, instance: &'a str, description: &'a ModelDescription) -> Signal<'a> {
-    let variable = &description.variables[column.port.variable];
+/// The signal of a `let`.
+fn of_script<'a>(column: &'a Column, (kind, slot_type): (&'static str, SlotType), unit: &'a str) -> Signal<'a> {
+    Signal {
+        name: &column.name,
+        unit: Some(unit).filter(|unit| !unit.is_empty()),
+        kind,
+        causality: "local",
+        description: None,
+        slot_type,
+        every: column.every,
+        ..time()
+    }
+}
+
+fn signal<'a>(
+    column: &'a Column,
+    instance: &'a str,
+    (description, variable): (&'a ModelDescription, &'a Variable),
+) -> Signal<'a> {
     Signal {
         name: &column.name,
         unit: description.unit_of(variable),
@@ -27,7 +49,7 @@ fn signal<'a>(column: &'a Column, instance: &'a str, description: &'a ModelDescr
         description: variable.description.as_deref(),
         items: description.items_of(variable).iter().map(|item| (item.value, item.name.as_str())).collect(),
         slot_type: slot_type(ValueType::of(variable)),
-        every: 1,
+        every: column.every,
     }
 }
 
@@ -55,7 +77,7 @@ fn slot_type(value_type: ValueType) -> SlotType {
 mod tests {
     use super::*;
     use dsl::scenario::{Instance, Port, Unit};
-    use results::signals::{csv_columns, json, time};
+    use results::signals::{csv_columns, json};
 
     const DESCRIPTION: &[u8] = br#"<fmiModelDescription fmiVersion="2.0" modelName="q" guid="g">
       <CoSimulation modelIdentifier="q"/>
@@ -76,8 +98,7 @@ mod tests {
 
     #[test]
     fn each_column_has_unit_instance_causality_description_and_items() {
-        let column =
-            |(name, variable): (&str, usize)| Column { name: name.to_owned(), port: Port { instance: 0, variable } };
+        let column = |(name, variable): (&str, usize)| Column::of_port(name, Port { instance: 0, variable });
         let scenario = Scenario {
             title: "Quadcopter flies".to_owned(),
             step_ns: 10_000_000,

@@ -204,8 +204,11 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     /// Hands over the row of this tick.
     fn record(&mut self, tick: u64) {
         if self.options.hands_over_rows() {
-            let Self { plan, state, observer, .. } = self;
-            observer.row(tick, |row| plan.row.fill(&state.visible, &state.inputs, &row));
+            let Self { plan, state, observer, stack, .. } = self;
+            let State { visible, visible_shared, inputs, carried, .. } = state;
+            let time_s = plan.seconds(tick);
+            let moment = Moment { outputs: visible, time_s, rises: &carried.rises, shared: visible_shared };
+            observer.row(tick, |row| plan.row.fill(&moment, inputs, stack, &row));
         }
     }
 

@@ -157,7 +157,7 @@ impl Script {
     }
 
     pub fn record(mut self, ports: &[(usize, usize)]) -> Self {
-        let column = |&(instance, variable)| Column { name: String::new(), port: port(instance, variable) };
+        let column = |&(instance, variable)| Column::of_port("", port(instance, variable));
         self.scenario.columns.extend(ports.iter().map(column));
         self
     }

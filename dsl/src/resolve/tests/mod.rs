@@ -1,6 +1,7 @@
 //! Tests of the resolver: what scripts mean, and every error as a user sees it.
 
 mod claims;
+mod columns;
 mod completeness;
 mod connections;
 mod differences;

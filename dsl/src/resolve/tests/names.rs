@@ -187,7 +187,6 @@ stop when quad.landed
 at 3 s { fault quad.wind: freeze }
 assert gate: always (quad.landed implies quad.roll < 3 deg)
 assert till: quad.roll < 3 deg until quad.landed
-record quad.* every 20 ms
 sweep { seed in 1..3 }
 curve(\"in.csv\", \"u\") -> quad.wind";
     let found = run_with(&flight(lines), &[]).resolved.diagnostics;
@@ -199,8 +198,6 @@ curve(\"in.csv\", \"u\") -> quad.wind";
     E20 `fault` is not known to this version of lockstep yet
     E20 `implies` is not known to this version of lockstep yet
     E20 `until` is not known to this version of lockstep yet
-    E20 `.*` is not known to this version of lockstep yet
-    E20 `record` with `every` is not known to this version of lockstep yet
     E20 `sweep` is not known to this version of lockstep yet
     E20 `curve` is not known to this version of lockstep yet
     "#);

@@ -2,7 +2,7 @@
 
 use super::groups::Group;
 use crate::values::{Ranges, Slot, ValueType, Values};
-use dsl::scenario::{InitialStep, Port, Scenario};
+use dsl::scenario::{Column, InitialStep, Port, Scenario};
 use fmi2::description::{Causality, ModelDescription};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -76,10 +76,11 @@ impl SlotTable {
         let is_input = |port: &Port| {
             driven.contains(port) || descriptions[port.instance].variables[port.variable].causality == Causality::Input
         };
-        let recorded = scenario.columns.iter().map(|column| column.port);
+        let recorded = scenario.columns.iter().filter_map(Column::port);
         let (recorded_inputs, recorded_outputs): (Vec<_>, Vec<_>) = recorded.partition(is_input);
         let mut read = must_be_finite.clone();
         read.extend(recorded_outputs);
+        scenario.columns.iter().for_each(|column| column.reads(scenario.slots(), &mut |port| _ = read.insert(port)));
         read.extend(scenario.initialization.iter().flat_map(initially_read));
         let mut table = Self {
             inputs: BTreeMap::new(),

@@ -69,7 +69,11 @@ impl Publisher {
         let signals: Vec<_> = columns::of(scenario, description_of).collect();
         let mut instances = Vec::new();
         for (index, instance) in scenario.instances.iter().enumerate() {
-            let columns = scenario.columns.iter().enumerate().filter(|(_, column)| column.port.instance == index);
+            let columns = scenario
+                .columns
+                .iter()
+                .enumerate()
+                .filter(|(_, column)| column.port().is_some_and(|port| port.instance == index));
             let columns: Vec<_> = columns.map(|(column, _)| column).collect();
             if columns.is_empty() {
                 continue;

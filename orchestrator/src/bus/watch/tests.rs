@@ -16,7 +16,7 @@ use zenoh::{Session, Wait};
 fn spec() -> RunSpec {
     let mut scenario = scenario();
     for (name, variable) in [("quad.height", 0), ("quad.method", 1)] {
-        scenario.columns.push(Column { name: name.to_owned(), port: Port { instance: 0, variable } });
+        scenario.columns.push(Column::of_port(name, Port { instance: 0, variable }));
     }
     let (name, description, sha256) = ("quadcopter".to_owned(), description(), String::new());
     let unit = UnitSpec { name, folder: PathBuf::new(), description, sha256 };

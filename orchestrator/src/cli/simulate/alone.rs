@@ -193,7 +193,7 @@ pub(super) mod tests {
     }
 
     fn level() -> Column {
-        Column { name: "level".to_owned(), port: Port { instance: 0, variable: 4 } }
+        Column::of_port("level", Port { instance: 0, variable: 4 })
     }
 
     fn script(settings: &[&str], curves: Curves) -> Script {

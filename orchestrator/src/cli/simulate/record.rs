@@ -7,7 +7,7 @@ use dsl::scenario::{Column, Port};
 use fmi2::description::{BaseType, Causality, ModelDescription, Variable};
 
 /// What is recorded.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Recorded {
     /// The columns; `None` if there is to be no trace.
     pub columns: Option<Vec<Column>>,
@@ -34,9 +34,9 @@ pub(super) fn recorded(
         names => (by_name(names, description)?, None),
     };
     let numbers = chosen.into_iter().filter(|&variable| !is_text(&description.variables[variable]));
-    let column = |variable: usize| Column {
-        name: column_name(&description.variables[variable].name, description),
-        port: Port { instance: 0, variable },
+    let column = |variable: usize| {
+        let name = column_name(&description.variables[variable].name, description);
+        Column::of_port(name, Port { instance: 0, variable })
     };
     Ok(Recorded { columns: Some(numbers.map(column).collect()), note })
 }

@@ -47,7 +47,7 @@ fn scenario(ticks: u64) -> Scenario {
     let arrow = |target, source, direct| Connection { target: port(target, U), source, direct };
     let computed = RealExpression::Affine { of: Box::new(signal(1)), factor: 0.5, offset: 1.0 };
     let enabled = Set { target: port(0, ENABLED), value: Drive::Boolean(BooleanExpression::Constant(true)) };
-    let column = |(instance, variable)| Column { name: String::new(), port: port(instance, variable) };
+    let column = |(instance, variable)| Column::of_port("", port(instance, variable));
     Scenario {
         title: String::new(),
         step_ns: 1_000_000,
