@@ -17,7 +17,7 @@ pub trait Loader: Sync {
     /// Why the unit cannot be used.
     fn unit(&self, from: &Source, name: &str) -> Result<Arc<ModelDescription>, Problem>;
 
-    /// The text of a part, which `use x = "part.scn"` names. `use` is not known yet, so nothing calls this.
+    /// The text of a part, which `use x = "part.scn"` names.
     ///
     /// # Errors
     /// Why the text cannot be read.
@@ -29,7 +29,7 @@ pub trait Loader: Sync {
     /// Why the file cannot be given to a unit.
     fn file(&self, from: &Source, path: &str) -> Result<(), Problem>;
 
-    /// A table of values over time, which `curve("in.csv", "u")` names. `curve` is not known yet, so nothing calls this.
+    /// A table of values over time, which `curve("in.csv", "u")` names.
     ///
     /// # Errors
     /// Why the table cannot be read.
@@ -45,11 +45,22 @@ pub struct Problem {
     pub help: Option<String>,
 }
 
-/// The cells of a table as they are written, without quotes; the resolver gives them a meaning.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// A table of numbers over time.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// The names of the columns.
-    pub header: Vec<String>,
-    /// The rows below.
-    pub rows: Vec<Vec<String>>,
+    /// Seconds, row by row; they never fall, and there is at least one.
+    pub time_s: Vec<f64>,
+    /// The columns behind the time, in the file's order.
+    pub columns: Vec<TableColumn>,
+}
+
+/// A column of a table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TableColumn {
+    /// The name, without a unit of measure.
+    pub name: String,
+    /// The unit of measure behind the name: `m/s` of `u [m/s]`.
+    pub unit: Option<String>,
+    /// The values, row by row; `true` is 1.
+    pub values: Vec<f64>,
 }

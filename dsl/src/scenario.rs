@@ -15,6 +15,7 @@ pub use duration::duration;
 pub use event::{Action, Event, Fault, FaultKind, Set, Trigger};
 pub use reads::Slots;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// A script, ready to run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -203,6 +204,8 @@ pub enum RealExpression {
     Call(Function, Vec<RealExpression>),
     /// Index into [`Scenario::shared`].
     Shared(usize),
+    /// A value over time.
+    Curve(Arc<Curve>),
 }
 
 /// The functions with a real value.

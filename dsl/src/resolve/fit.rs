@@ -13,7 +13,7 @@ use super::script::RESERVED;
 use super::signal::Signal;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::{listed, nearest};
-use crate::scenario::{BooleanExpression, Drive, Port, RealExpression};
+use crate::scenario::{BooleanExpression, Curve, Drive, Port, RealExpression};
 use crate::source::{FileRef, Span};
 use crate::syntax::{Expression, ExpressionKind};
 
@@ -45,6 +45,11 @@ impl Scope<'_, '_> {
             (Kind::Real(_), Meaning::Integer(port)) => Drive::Real(RealExpression::Signal(*port)),
             // A run checks that an Integer is the value of an item.
             (Kind::Integer { .. } | Kind::Enumeration { .. }, Meaning::Integer(port)) => Drive::Copy(*port),
+            (Kind::Integer { .. } | Kind::Enumeration { .. } | Kind::Boolean { .. }, Meaning::Real(value))
+                if matches!(value.expression, RealExpression::Curve(_)) =>
+            {
+                self.held_curve(value, target, at)?
+            }
             (Kind::Integer { .. }, Meaning::Real(value)) => Drive::Integer(self.fit_integer(value, target, at)?),
             (Kind::Boolean { .. }, Meaning::Condition(Condition::Plain(BooleanExpression::Signal(port)))) => {
                 Drive::Copy(*port)
@@ -124,6 +129,20 @@ impl Scope<'_, '_> {
             }
             _ => error.help(format!("it takes a value such as `1 {unit}`")),
         }
+    }
+
+    /// A curve that drives a variable of another type than Real: its rows are held.
+    fn held_curve(&self, value: &Real, target: Port, at: Meeting<'_>) -> Option<Drive> {
+        let RealExpression::Curve(curve) = &value.expression else { return None };
+        let is_boolean = matches!(self.variable(target).kind, Kind::Boolean { .. });
+        let range = if is_boolean { 0.0..=1.0 } else { f64::from(i32::MIN)..=f64::from(i32::MAX) };
+        let fits = |value: f64| value.fract() == 0.0 && range.contains(&value);
+        if let Some((time_s, value)) = curve.rows.iter().find(|(_, value)| !fits(*value)) {
+            let what = if is_boolean { "a Boolean, true or false," } else { "a whole number of 32 bits" };
+            let message = format!("`{}` takes {what} and the column has {value} at {time_s} s", self.port_name(target));
+            return self.refuse(Diagnostic::error("E38", at.source, message).help("mend the column, or take another"));
+        }
+        Some(Drive::Curve(Curve { held: true, ..(**curve).clone() }))
     }
 
     fn fit_integer(&self, value: &Real, target: Port, at: Meeting<'_>) -> Option<i32> {

@@ -17,9 +17,9 @@ use crate::scenario::{BooleanExpression, Function};
 use crate::source::{FileRef, Span};
 use crate::syntax::{Expression, Operator, Word};
 
-const NAMES: [&str; 19] = [
+const NAMES: [&str; 20] = [
     "abs", "min", "max", "sum", "mean", "sqrt", "exp", "log", "floor", "sin", "cos", "tan", "atan2", "norm", "dist",
-    "all", "any", "rises", "file",
+    "all", "any", "rises", "file", "curve",
 ];
 
 /// The dimension of an angle.
@@ -36,7 +36,10 @@ impl Scope<'_, '_> {
     /// `function(arguments)`
     pub fn call(&self, function: &Word, arguments: &[Expression], span: Span) -> Option<Meaning> {
         let name = function.text.as_str();
-        if matches!(name, "curve" | "normal" | "uniform" | "choice") {
+        if name == "curve" {
+            return self.curve(arguments, span);
+        }
+        if matches!(name, "normal" | "uniform" | "choice") {
             return self.refuse(not_yet(span, &format!("`{name}`")));
         }
         if !NAMES.contains(&name) {

@@ -214,7 +214,7 @@ impl Real {
 fn real_size(value: &RealExpression) -> usize {
     use RealExpression as E;
     1 + match value {
-        E::Constant(_) | E::Signal(_) | E::Time | E::Shared(_) => 0,
+        E::Constant(_) | E::Signal(_) | E::Time | E::Shared(_) | E::Curve(_) => 0,
         E::Affine { of, .. } | E::InverseAffine { of, .. } | E::Negate(of) => real_size(of),
         E::Add(left, right) | E::Subtract(left, right) | E::Multiply(left, right) | E::Divide(left, right) => {
             real_size(left) + real_size(right)

@@ -40,7 +40,7 @@
 //! | E37 | a value of `--set` of another kind than the parameter's |
 //! | E38 | a number out of range |
 //! | E39 | a value that is too large or too deeply nested to be meant |
-//! | E40 | a file that a unit cannot be given |
+//! | E40 | a file that a unit cannot be given, or a table that cannot be read |
 //! | W01 | a value is passed to a variable that declares no unit, or one that its description does not define |
 //! | W02 | inputs without driver and without a value in the script |
 //! | W03 | two instances of one unit draw the same random numbers |
@@ -63,6 +63,7 @@ mod assign;
 mod claim;
 mod column;
 mod comparison;
+mod curve;
 mod elaborate;
 mod event;
 mod experiment;

@@ -11,6 +11,7 @@ use fmi2::description::Variable;
 use fmi2::units::BaseUnit;
 
 use super::Request;
+use super::curve::Loaded;
 use super::elaborate::elaborate;
 use super::findings::{Findings, Search};
 use super::frame::{FrameId, Placed};
@@ -43,6 +44,8 @@ pub(super) struct Shared<'a> {
     pub(super) conditions: RefCell<Conditions>,
     /// What drives each input, as far as connections have been resolved.
     pub(super) driven_by: RefCell<BTreeMap<Port, Span>>,
+    /// The tables of `curve`, by the text that names them and the path.
+    pub(super) tables: RefCell<BTreeMap<(u32, String), Loaded>>,
     /// The places of the declared names that something refers to.
     pub(super) used: RefCell<BTreeSet<Span>>,
     /// The units of measure that loaded units define, each meaning with the first instance whose unit does.
@@ -99,6 +102,7 @@ impl<'a> Shared<'a> {
             open: RefCell::default(),
             conditions: RefCell::default(),
             driven_by: RefCell::default(),
+            tables: RefCell::default(),
             used: RefCell::default(),
         }
     }

@@ -4,6 +4,7 @@
 //! occurs in more than one place is replaced by its slot.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use super::meaning::Meaning;
 use crate::scenario::{Action, BooleanExpression, ColumnSource, Drive, Formula, RealExpression as E, Scenario};
@@ -92,7 +93,7 @@ impl Numbers {
 /// Whether it takes more than reading a value and converting it.
 fn is_computed(expression: &E) -> bool {
     match expression {
-        E::Constant(_) | E::Signal(_) | E::Time | E::Shared(_) => false,
+        E::Constant(_) | E::Signal(_) | E::Time | E::Curve(_) | E::Shared(_) => false,
         E::Affine { of, .. } | E::InverseAffine { of, .. } => is_computed(of),
         _ => true,
     }
@@ -111,13 +112,15 @@ fn head(expression: &E) -> Head {
         E::Multiply(..) => (8, 0, 0),
         E::Divide(..) => (9, 0, 0),
         E::Call(function, _) => (10, function as u64, 0),
+        // The resolver makes one for each column.
+        E::Curve(ref curve) => (11, Arc::as_ptr(curve) as usize as u64, 0),
         E::Shared(_) => unreachable!("each expression is visited once"),
     }
 }
 
 fn for_parts(expression: &mut E, visit: &mut dyn FnMut(&mut E)) {
     match expression {
-        E::Constant(_) | E::Signal(_) | E::Time | E::Shared(_) => {}
+        E::Constant(_) | E::Signal(_) | E::Time | E::Curve(_) | E::Shared(_) => {}
         E::Affine { of, .. } | E::InverseAffine { of, .. } | E::Negate(of) => visit(of),
         E::Add(left, right) | E::Subtract(left, right) | E::Multiply(left, right) | E::Divide(left, right) => {
             visit(left);

@@ -83,7 +83,7 @@ impl BooleanExpression {
 impl RealExpression {
     pub(super) fn reads(&self, slots: Slots<'_>, visit: &mut dyn FnMut(Port)) {
         match self {
-            Self::Constant(_) | Self::Time => {}
+            Self::Constant(_) | Self::Time | Self::Curve(_) => {}
             Self::Signal(port) => visit(*port),
             Self::Affine { of, .. } | Self::InverseAffine { of, .. } | Self::Negate(of) => of.reads(slots, visit),
             Self::Add(left, right)

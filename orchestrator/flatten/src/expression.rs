@@ -10,6 +10,7 @@ mod tests;
 
 use crate::values::Values;
 use dsl::scenario::{Curve, Function};
+use std::sync::Arc;
 
 /// What a program reads: the state of a run at one time.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +78,7 @@ enum Operation {
     Unary(Unary),
     Binary(Binary),
     SameText(Box<(Text, Text)>),
-    Curve(Curve),
+    Curve(Arc<Curve>),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@
 
 use crate::find::catalogue::Catalogue;
 use dsl::diagnostic::{Diagnostic, Severity, render};
-use dsl::loader::{Loader, Problem, Table};
+use dsl::loader::{Loader, Problem, Table, TableColumn};
 use dsl::parse::{parse, parse_assignment};
 use dsl::parts::Parts;
 use dsl::resolve::{Request, resolve};
@@ -14,6 +14,7 @@ use dsl::syntax::{Binding, File};
 use fmi2::description::check::check;
 use fmi2::description::{Finding, ModelDescription};
 use fmi2::printable;
+use results::table::{CellType, TableError, TableFile};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -37,6 +38,8 @@ pub struct Script {
     pub scenario: Option<Scenario>,
     /// Its parts, as texts of `sources`.
     pub parts: Vec<u32>,
+    /// The files of its curves.
+    pub tables: Vec<PathBuf>,
     /// Its units, each once, in order of first use, which is that of [`Scenario::units`]; those that were found.
     pub units: Vec<ScriptUnit>,
 }
@@ -82,8 +85,9 @@ impl Script {
         catalogue: &Catalogue,
     ) -> Self {
         let (file, diagnostics) = tree.map_or_else(|wrong| (None, wrong), |file| (Some(file), Vec::new()));
-        let (folder, scenario, parts, units) = (PathBuf::from("."), None, Vec::new(), Vec::new());
-        let mut script = Self { name, folder, text, sources, diagnostics, scenario, parts, units };
+        let folder = PathBuf::from(".");
+        let (parts, tables, units) = (Vec::new(), Vec::new(), Vec::new());
+        let mut script = Self { name, folder, text, sources, diagnostics, scenario: None, parts, tables, units };
         if let Some(file) = file {
             script.resolve(&file, &[], catalogue, false);
         }
@@ -106,6 +110,7 @@ impl Script {
             diagnostics: Vec::new(),
             scenario: None,
             parts: Vec::new(),
+            tables: Vec::new(),
             units: Vec::new(),
         };
         let file_text = script.sources.add(name, text);
@@ -131,7 +136,13 @@ impl Script {
     }
 
     fn resolve(&mut self, file: &File, settings: &[Binding], catalogue: &Catalogue, isolated: bool) {
-        let files = Files { name: &self.name, folder: &self.folder, catalogue, units: Mutex::default() };
+        let files = Files {
+            name: &self.name,
+            folder: &self.folder,
+            catalogue,
+            units: Mutex::default(),
+            tables: Mutex::default(),
+        };
         let parts = Parts::load(&mut self.sources, file, &files);
         if !parts.diagnostics.is_empty() {
             self.diagnostics = parts.diagnostics;
@@ -140,6 +151,7 @@ impl Script {
         let request = Request { sources: &self.sources, file, parts: &parts, loader: &files, settings, isolated };
         let resolved = resolve(&request);
         self.units = files.units.into_inner().unwrap_or_else(PoisonError::into_inner);
+        self.tables = files.tables.into_inner().unwrap_or_else(PoisonError::into_inner);
         self.diagnostics = resolved.diagnostics;
         self.scenario = resolved.scenario;
         self.parts = parts.iter().map(|part| part.text).collect();
@@ -188,6 +200,8 @@ struct Files<'a> {
     catalogue: &'a Catalogue,
     /// The units that were found, in order of first use.
     units: Mutex<Vec<ScriptUnit>>,
+    /// The files of the tables that were read.
+    tables: Mutex<Vec<PathBuf>>,
 }
 
 impl Files<'_> {
@@ -225,11 +239,32 @@ impl Loader for Files<'_> {
     }
 
     fn table(&self, from: &Source, path: &str) -> Result<Table, Problem> {
-        let (_, text) = self.read(from, path)?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-        let mut lines = text.lines().filter(|line| !line.trim().is_empty()).map(cells);
-        Ok(Table { header: lines.next().unwrap_or_default(), rows: lines.collect() })
+        let file = given_file(self.folder_of(from), path)?;
+        let problem = |error: TableError| Problem { message: error.to_string(), help: error.help };
+        let bytes = std::fs::read(&file).map_err(|error| unreadable(path, &error))?;
+        self.tables.lock().unwrap_or_else(PoisonError::into_inner).push(file.clone());
+        let mut table = TableFile::of_bytes(&self.folder_of(from).join(path), bytes).map_err(problem)?;
+        let headings = table.headings().iter().skip(1);
+        let names = headings.map(|heading| match heading.with_unit() {
+            Some((name, unit)) => (name.to_owned(), Some(unit.to_owned())),
+            None => (heading.text.clone(), None),
+        });
+        let names: Vec<(String, Option<String>)> = names.collect();
+        let columns = table.read(&vec![CellType::Any; names.len()], false).map_err(problem)?;
+        let mut numbers = columns.into_iter().map(|column| column.into_iter().flatten().collect::<Vec<f64>>());
+        let time_s = numbers.next().unwrap_or_default();
+        if time_s.is_empty() {
+            return Err(problem(table.wrong_heading(0, "the file has names, but no rows".to_owned())));
+        }
+        let columns = names.into_iter().zip(numbers);
+        let column = |((name, unit), values)| TableColumn { name, unit, values };
+        Ok(Table { time_s, columns: columns.map(column).collect() })
     }
+}
+
+fn unreadable(path: &str, error: &io::Error) -> Problem {
+    let help = Some("the path is relative to the script's folder".to_owned());
+    Problem { message: format!("file {path:?} cannot be read: {error}"), help }
 }
 
 /// The file that `file("…")` names: it can be read and is in the folder of the script.
@@ -237,10 +272,7 @@ impl Loader for Files<'_> {
 /// # Errors
 /// Why a unit cannot be given the file.
 pub fn given_file(folder: &Path, name: &str) -> Result<PathBuf, Problem> {
-    let unreadable = |error: io::Error| Problem {
-        message: format!("file {name:?} cannot be read: {error}"),
-        help: Some("the path is relative to the script's folder".to_owned()),
-    };
+    let unreadable = |error: io::Error| unreadable(name, &error);
     let home = folder.canonicalize().map_err(unreadable)?;
     let path = folder.join(name).canonicalize().map_err(unreadable)?;
     if !path.starts_with(&home) {
@@ -252,23 +284,6 @@ pub fn given_file(folder: &Path, name: &str) -> Result<PathBuf, Problem> {
     }
     std::fs::File::open(&path).map_err(unreadable)?;
     Ok(path)
-}
-
-/// The cells of a line between commas; a quoted cell may hold commas, and a doubled quote is one quote.
-fn cells(line: &str) -> Vec<String> {
-    let mut cells = vec![String::new()];
-    let mut is_quoted = false;
-    let mut letters = line.chars().peekable();
-    while let Some(letter) = letters.next() {
-        match (letter, cells.last_mut()) {
-            ('"', Some(cell)) if is_quoted && letters.next_if_eq(&'"').is_some() => cell.push('"'),
-            ('"', _) => is_quoted = !is_quoted,
-            (',', _) if !is_quoted => cells.push(String::new()),
-            (letter, Some(cell)) => cell.push(letter),
-            (_, None) => {}
-        }
-    }
-    cells.iter().map(|cell| cell.trim().to_owned()).collect()
 }
 
 fn find(name: &str, folder: &Path, catalogue: &Catalogue) -> Result<ScriptUnit, Problem> {
@@ -288,13 +303,19 @@ fn parts_and_tables_are_beside_the_text_that_names_them() {
     write("parts/uav.scn", "param slot = 1 m\n");
     write("parts/in.csv", "time,\"u, \"\"up\"\" [m/s]\"\n\n0, 1.5\n");
     let catalogue = Catalogue::new(Vec::new(), folder.path(), false).expect("no folder of units");
-    let files = Files { name: &name, folder: folder.path(), catalogue: &catalogue, units: Mutex::default() };
+    let files = Files {
+        name: &name,
+        folder: folder.path(),
+        catalogue: &catalogue,
+        units: Mutex::default(),
+        tables: Mutex::default(),
+    };
     let script = Source::new(name.as_str(), "");
     let part = files.text(&script, "parts/uav.scn").expect("the part is there");
     assert_eq!(part.text, "param slot = 1 m\n");
     let table = files.table(&part, "in.csv").expect("the table is there");
-    assert_eq!(table.header, ["time", "u, \"up\" [m/s]"]);
-    assert_eq!(table.rows, [["0", "1.5"]]);
+    let column = TableColumn { name: "u, \"up\"".to_owned(), unit: Some("m/s".to_owned()), values: vec![1.5] };
+    assert_eq!(table, Table { time_s: vec![0.0], columns: vec![column] });
     let missing = files.text(&part, "uav.csv").expect_err("no such file");
     assert!(missing.message.starts_with("`uav.csv` cannot be read"), "{}", missing.message);
 }

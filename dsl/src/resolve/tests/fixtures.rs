@@ -7,7 +7,7 @@ use fmi2::description::ModelDescription;
 use fmi2::description::read::read;
 
 use crate::diagnostic::{Diagnostic, render};
-use crate::loader::{Loader, Problem, Table};
+use crate::loader::{Loader, Problem, Table, TableColumn};
 use crate::parse::{parse, parse_assignment};
 use crate::parts::Parts;
 use crate::resolve::{Request, Resolved, resolve};
@@ -250,9 +250,21 @@ impl Loader for Memory {
     }
 
     fn table(&self, _: &Source, path: &str) -> Result<Table, Problem> {
-        let cells = |line: [&str; 2]| line.map(str::to_owned).to_vec();
+        let column = |name: &str, unit: Option<&str>, values: [f64; 2]| TableColumn {
+            name: name.to_owned(),
+            unit: unit.map(str::to_owned),
+            values: values.to_vec(),
+        };
+        let columns = vec![
+            column("u", Some("m/s"), [1.5, 2.5]),
+            column("place.x", Some("ft"), [0.0, 1.0]),
+            column("place.y", Some("m"), [0.0, 1.0]),
+            column("place.z", None, [0.0, 1.0]),
+            column("on", None, [0.0, 1.0]),
+            column("bad", Some("mph/h"), [0.0, 1.0]),
+        ];
         match path {
-            "in.csv" => Ok(Table { header: cells(["time", "u [m/s]"]), rows: vec![cells(["0", "1.5"])] }),
+            "in.csv" => Ok(Table { time_s: vec![0.0, 10.0], columns }),
             _ => Err(missing("file", path)),
         }
     }

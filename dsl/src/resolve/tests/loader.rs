@@ -71,10 +71,11 @@ fn a_unit_is_loaded_once_in_the_order_of_the_script() {
 }
 
 #[test]
-fn parts_and_tables_are_not_loaded_yet() {
-    let script = flight("use lead = \"part.scn\"\nlet u = curve(\"in.csv\", \"u\")");
-    assert!(calls(&script).iter().all(|call| call.starts_with("unit ")));
+fn a_table_is_loaded_once() {
+    let script = flight("let u = curve(\"in.csv\", \"u\")\nlet v = curve(\"in.csv\", \"place\")");
+    let calls = calls(&script);
+    assert_eq!(calls.iter().filter(|call| call.starts_with("table in.csv")).count(), 1, "{calls:?}");
     let from = Source::new("test.scn", "");
     assert_eq!(Memory.text(&from, "part.scn").map(|part| part.name), Ok("part.scn".to_owned()));
-    assert_eq!(Memory.table(&from, "in.csv").map(|table| table.header.len()), Ok(2));
+    assert_eq!(Memory.table(&from, "in.csv").map(|table| table.columns.len()), Ok(6));
 }

@@ -4,6 +4,7 @@ mod claims;
 mod columns;
 mod completeness;
 mod connections;
+mod curves;
 mod differences;
 mod elaborate;
 mod fixtures;

@@ -187,8 +187,7 @@ stop when quad.landed
 at 3 s { fault quad.wind: freeze }
 assert gate: always (quad.landed implies quad.roll < 3 deg)
 assert till: quad.roll < 3 deg until quad.landed
-sweep { seed in 1..3 }
-curve(\"in.csv\", \"u\") -> quad.wind";
+sweep { seed in 1..3 }";
     let found = run_with(&flight(lines), &[]).resolved.diagnostics;
     let messages: Vec<_> = found.iter().map(|error| format!("{} {}", error.code, error.message)).collect();
     insta::assert_snapshot!(messages.join("\n"), @r#"
@@ -199,7 +198,6 @@ curve(\"in.csv\", \"u\") -> quad.wind";
     E20 `implies` is not known to this version of lockstep yet
     E20 `until` is not known to this version of lockstep yet
     E20 `sweep` is not known to this version of lockstep yet
-    E20 `curve` is not known to this version of lockstep yet
     "#);
 }
 

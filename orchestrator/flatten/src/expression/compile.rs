@@ -3,6 +3,7 @@
 use super::{Binary, Operation, Program, Text, Unary};
 use crate::values::{Slot, ValueType};
 use dsl::scenario::{BooleanExpression, Curve, Function, Margin, Operand, Port, RealExpression, Value};
+use std::sync::Arc;
 
 /// Returns the slot of a port; called for every signal of an expression.
 pub type SlotOf<'a> = dyn FnMut(Port) -> Slot + 'a;
@@ -26,7 +27,7 @@ impl Program {
     /// The value of a curve over time.
     #[must_use]
     pub fn curve(curve: &Curve) -> Self {
-        Self { operations: [Operation::Curve(curve.clone())].into(), depth: 1 }
+        Self { operations: [Operation::Curve(Arc::new(curve.clone()))].into(), depth: 1 }
     }
 
     fn compile(write: impl FnOnce(&mut Compiler<'_, '_>), slot_of: &mut SlotOf<'_>) -> Self {
@@ -93,6 +94,7 @@ impl Compiler<'_, '_> {
             E::Subtract(a, b) => self.pair(a, b, Binary::Subtract),
             E::Multiply(a, b) => self.pair(a, b, Binary::Multiply),
             E::Divide(a, b) => self.pair(a, b, Binary::Divide),
+            E::Curve(curve) => self.push(Operation::Curve(Arc::clone(curve))),
             E::Shared(slot) => self.push(Operation::Shared(u32::try_from(*slot).unwrap_or(u32::MAX))),
             E::Call(function, arguments) => self.call(*function, arguments),
         }
