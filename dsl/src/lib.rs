@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 pub mod diagnostic;
+pub mod format;
 pub mod loader;
 pub mod nearest;
 pub mod parse;
