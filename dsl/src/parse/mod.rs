@@ -14,6 +14,7 @@ mod lines;
 mod mistakes;
 mod scan;
 mod shape;
+mod slips;
 mod tree;
 mod wording;
 
