@@ -21,8 +21,7 @@ pub(super) fn align(lines: &mut [Line<'_>]) {
         let run = neighbours(lines, first);
         run.iter().for_each(|&line| is_done[line] = true);
         for part in 0..PARTS {
-            let places: Vec<_> =
-                run.iter().filter_map(|&line| Some((line, parts(&lines[line])[part]?))).collect();
+            let places: Vec<_> = run.iter().filter_map(|&line| Some((line, parts(&lines[line])[part]?))).collect();
             into_column(lines, &places, 1, WIDEST);
         }
     }
@@ -63,9 +62,9 @@ fn parts(line: &Line<'_>) -> [Option<usize>; PARTS] {
         Some(Item::At | Item::When | Item::While) => [block(1), None, None],
         Some(Item::Instance) => {
             let equals = sign(&["="]);
-            let clause = equals.map(|equals| equals + 2).filter(|&clause| {
-                line.tokens.get(clause).is_some_and(|placed| placed.token.kind != Kind::Comment)
-            });
+            let clause = equals
+                .map(|equals| equals + 2)
+                .filter(|&clause| line.tokens.get(clause).is_some_and(|placed| placed.token.kind != Kind::Comment));
             [equals, clause.filter(|&clause| inner(clause)), clause.and_then(|clause| block(clause + 1))]
         }
         Some(Item::Other) | None => [None; PARTS],

@@ -7,8 +7,8 @@ use super::grammar::Rule;
 use super::wording::{Use, is_reserved, usage, words};
 use super::{lines, mistakes, scan};
 use crate::diagnostic::{Diagnostic, Edit};
-use crate::source::Span;
 use crate::nearest::nearest;
+use crate::source::Span;
 
 /// An error, and where parsing continues.
 pub(super) struct Explained {

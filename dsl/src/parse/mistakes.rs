@@ -58,6 +58,14 @@ pub(super) fn unclosed(failure: &Failure<'_>) -> Option<(Diagnostic, usize)> {
     }
     if broken_off || other_closed {
         let label = format!("expected `{closing}` here at the latest");
+        let last = text[..failure.at].trim_end().len();
+        let line = &text[opened..last];
+        if broken_off && !line.contains(['\n', '\r']) {
+            let written = if bracket == '{' { " }".to_owned() } else { closing.to_string() };
+            let edit = Edit::before(failure.span_of(last, 0), written);
+            let diagnostic = diagnostic.label(failure.span(), label).fix(format!("write `{closing}`"), [edit]);
+            return Some((diagnostic, lines::next_statement(text, failure.at)));
+        }
         return Some((diagnostic.label(failure.span(), label), lines::next_statement(text, failure.at)));
     }
     // The first word of a statement in the braces of an fmu line was read as a key, in those of an at block as an action.
@@ -95,7 +103,12 @@ fn open_quote(failure: &Failure<'_>) -> Option<Diagnostic> {
     let found = failure.found();
     let quote = found.chars().next().filter(|quote| matches!(quote, '"' | '\''))?;
     let help = format!("write `{quote}` at its end; a text stands on one line");
-    (!lines::is_closed(found)).then(|| error(failure, format!("this `{quote}` is never closed")).help(help))
+    let is_word = !found.trim_end().contains([' ', '\t']) && found.trim_end().len() > 1;
+    (!lines::is_closed(found)).then(|| {
+        let error = error(failure, format!("this `{quote}` is never closed")).help(help);
+        let end = failure.span_of(failure.at + found.trim_end().len(), 0);
+        if is_word { error.fix(format!("write `{quote}`"), [Edit::before(end, quote.to_string())]) } else { error }
+    })
 }
 
 /// E13: `x => 3 m`

@@ -30,18 +30,22 @@ pub(super) fn decimal_comma(failure: &Failure<'_>) -> Option<Diagnostic> {
         return None;
     }
     let span = failure.span_of(comma - whole.len(), whole.len() + 1 + fraction.len());
-    let error = Diagnostic::error("E00", span, format!("`{whole},{fraction}` is no number: the decimal sign is a point"));
+    let error =
+        Diagnostic::error("E00", span, format!("`{whole},{fraction}` is no number: the decimal sign is a point"));
     Some(write(error, span, &format!("{whole}.{fraction}")))
 }
 
 /// `x^2`, `x²`, `5 m/s ^2`
 pub(super) fn power(failure: &Failure<'_>) -> Option<Diagnostic> {
+    // In a name, `²` counts as a letter.
     let found = failure.found();
-    let rest = failure.rest();
+    let skipped = found.find(['²', '³']).unwrap_or(0);
+    let at = failure.at + skipped;
+    let (found, rest) = (&found[skipped..], &failure.rest()[skipped..]);
     let (sign, power) = match found {
         "^" | "**" => (found.len(), rest[found.len()..].trim_start_matches([' ', '\t'])),
-        _ if found.starts_with('²') => (0, "2"),
-        _ if found.starts_with('³') => (0, "3"),
+        "²" => (0, "2"),
+        "³" => (0, "3"),
         _ => return None,
     };
     let digits = &power[..power.find(|c: char| !c.is_ascii_digit()).unwrap_or(power.len())];
@@ -49,16 +53,16 @@ pub(super) fn power(failure: &Failure<'_>) -> Option<Diagnostic> {
         0 => '²'.len_utf8(),
         _ => rest.len() - power.len() + digits.len(),
     };
-    let before = failure.before();
+    let before = &failure.blanked[failure.statement..at];
     let bare = before.trim_end();
     let operand = &bare[bare.trim_end_matches(|c: char| is_word(c) || matches!(c, '.' | '/' | '*')).len()..];
     let ahead = bare[..bare.len() - operand.len()].trim_end();
     let is_unit = operand.starts_with(char::is_alphabetic) && ahead.ends_with(|c: char| c.is_ascii_digit() || c == ']');
     let blanks = before.len() - bare.len();
-    let span = failure.span_of(failure.at, written);
+    let span = failure.span_of(at, written);
     if is_unit && !digits.is_empty() {
         let error = Diagnostic::error("E00", span, "the power of a unit of measure stands right behind it");
-        let unit = failure.span_of(failure.at - blanks - operand.len(), operand.len() + blanks + written);
+        let unit = failure.span_of(at - blanks - operand.len(), operand.len() + blanks + written);
         return Some(write(error, unit, &format!("{operand}^{digits}")));
     }
     let error = Diagnostic::error("E00", span, "values have no powers, only units of measure do");
@@ -67,7 +71,7 @@ pub(super) fn power(failure: &Failure<'_>) -> Option<Diagnostic> {
     if is_path && matches!(digits, "2" | "3") {
         let factors = if digits == "2" { 2 } else { 3 };
         let product = vec![operand; factors].join(" * ");
-        let joined = failure.span_of(failure.at - blanks - operand.len(), operand.len() + blanks + written);
+        let joined = failure.span_of(at - blanks - operand.len(), operand.len() + blanks + written);
         return Some(write(error, joined, &product));
     }
     Some(error.help("a power of a value is a product, `x * x`; that of a unit has no blanks, `m/s^2`"))

@@ -74,7 +74,8 @@ impl Scope<'_, '_> {
         match parts.first() {
             Some(first) => {
                 let whole = Span { end: first.span.end, ..span };
-                error.fix(format!("write `({})`", self.text(whole)), [Edit::before(whole, "("), Edit::after(whole, ")")])
+                error
+                    .fix(format!("write `({})`", self.text(whole)), [Edit::before(whole, "("), Edit::after(whole, ")")])
             }
             None => error,
         }

@@ -10,6 +10,7 @@ use super::scope::Scope;
 use super::script::Script;
 use crate::diagnostic::{Diagnostic, Edit};
 use crate::nearest::nearest;
+use crate::parse::is_plain_unit;
 use crate::source::Span;
 use crate::syntax::{Expression, ExpressionKind, Word};
 
@@ -51,9 +52,7 @@ impl Scope<'_, '_> {
                 }
                 let (written, span) = (unit.text.clone(), unit.span);
                 let error = error.help("a unit of a loaded FMU may be written in quotes, for example `5 'N.m'`");
-                self.refuse_and_search(error, move |scope| {
-                    Some(Remedy::meant(&scope.near_loaded(&written)?, span))
-                })
+                self.refuse_and_search(error, move |scope| Some(Remedy::meant(&scope.near_loaded(&written)?, span)))
             }
         }
     }
@@ -85,7 +84,7 @@ impl Scope<'_, '_> {
     fn near_loaded(&self, written: &str) -> Option<String> {
         let units = self.script.units();
         let names = units.flat_map(|unit| &unit.units).map(|unit| unit.name.as_str());
-        nearest(written, names).map(|near| format!("'{near}'"))
+        nearest(written, names).map(|near| if is_plain_unit(near) { near.to_owned() } else { format!("'{near}'") })
     }
 
     /// That a factor is written into a unit: `2 m/s*k`.

@@ -1,6 +1,6 @@
 //! `lockstep check`: everything that is wrong with scripts and units, before anything runs.
 
-mod fold;
+pub(super) mod fold;
 mod plan;
 mod unit_file;
 mod unit_run;

@@ -1,5 +1,6 @@
 //! Tests of the resolver: what scripts mean, and every error as a user sees it.
 
+mod broken;
 mod claims;
 mod completeness;
 mod connections;
@@ -10,6 +11,7 @@ mod limits;
 mod loader;
 mod meaning;
 mod measures;
+mod mutations;
 mod names;
 mod shared;
 mod times;

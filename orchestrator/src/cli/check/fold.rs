@@ -35,7 +35,7 @@ pub(super) fn groups<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
 }
 
 /// `a.b[1,2].'c.d'` as `a`, `.b`, `[1,2]`, `.'c.d'`; a quoted part stays whole.
-fn parts(name: &str) -> Vec<&str> {
+pub(in crate::cli) fn parts(name: &str) -> Vec<&str> {
     let mut parts = Vec::new();
     let (mut begin, mut quoted) = (0, false);
     for (at, letter) in name.char_indices() {
