@@ -161,8 +161,12 @@ mod tests {
             ("output", "old.state.x", "s"),
             ("output", "level", "m"),
         ]);
-        let control =
-            description(&[("input", "state.x", "m"), ("input", "level", "s"), ("input", "place.x", "m"), ("input", "place.y", "m")]);
+        let control = description(&[
+            ("input", "state.x", "m"),
+            ("input", "level", "s"),
+            ("input", "place.x", "m"),
+            ("input", "place.y", "m"),
+        ]);
         let units = [("plant", &plant), ("control", &control)];
         let units = units.map(|(name, description)| Named { name: name.to_owned(), description });
         let found = matches(&units);
