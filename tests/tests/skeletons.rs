@@ -12,7 +12,12 @@ fn a_new_scenario_connects_what_fits_and_passes_the_check() {
     let said = run(&repository(), &[&["new", "scenario"], &units[..], &["--out", &out]].concat());
     assert_eq!((said.code, said.out.trim()), (Some(0), &*out), "{}", said.err);
     let script = fs::read_to_string(&out).unwrap();
-    assert!(script.lines().any(|line| line.starts_with("quadcopter.state") && line.ends_with("-> quadcopter_controller.state")), "{script}");
+    assert!(
+        script
+            .lines()
+            .any(|line| line.starts_with("quadcopter.state") && line.ends_with("-> quadcopter_controller.state")),
+        "{script}"
+    );
     assert!(script.lines().any(|line| line.starts_with("# quadcopter.state -> wind.vehicle")), "{script}");
     assert!(script.contains("\n# assert ") && script.contains("\n# record "), "{script}");
     assert_eq!(run(&repository(), &["check", &out]).code, Some(0), "{script}");

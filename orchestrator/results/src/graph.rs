@@ -1,7 +1,7 @@
 //! A picture of units and their connections: boxes on the diagonal, what one gives another in the row of the giver and the
 //! column of the taker (an N² chart). So no text covers another, and feedback is what is below the diagonal.
 
-use crate::plot::svg::{Anchor, CURVES, FAINT_INK, GRID, INK, Picture, Stroke};
+use crate::plot::svg::{Anchor, CURVES, FAINT_INK, INK, Picture, Stroke};
 
 const MARGIN: f64 = 28.0;
 /// Between neighbouring boxes.
@@ -78,8 +78,11 @@ impl Graph {
         let mut picture = Picture::default();
         picture.text((MARGIN, MARGIN + 6.0), Anchor::Start, 17.0, INK, &self.title);
         for direct in [false, true] {
-            let arrows = self.arrows.iter().filter(|arrow| arrow.direct == direct && arrow.from != arrow.to);
-            arrows.for_each(|arrow| layout.line(&mut picture, self, arrow));
+            for (from, to) in self.pairs() {
+                if self.between(from, to).any(|arrow| arrow.direct == direct) {
+                    layout.line(&mut picture, self, (from, to), direct);
+                }
+            }
         }
         for (from, to) in self.pairs() {
             self.card(&mut picture, &layout, from, to);
@@ -95,7 +98,8 @@ impl Graph {
 
     /// Nodes with at least one arrow from the one to the other, each pair once, in order.
     fn pairs(&self) -> Vec<(usize, usize)> {
-        let mut pairs: Vec<_> = self.arrows.iter().map(|arrow| (arrow.from, arrow.to)).filter(|(from, to)| from != to).collect();
+        let mut pairs: Vec<_> =
+            self.arrows.iter().map(|arrow| (arrow.from, arrow.to)).filter(|(from, to)| from != to).collect();
         pairs.sort_unstable();
         pairs.dedup();
         pairs
@@ -154,7 +158,7 @@ impl Graph {
         let (x, y) = layout.middle(from, to);
         let (width, height) = self.card_size(from, to);
         let (left, top) = (x - width / 2.0, y - height / 2.0);
-        picture.card([left, top, width, height], "#ffffff", GRID);
+        picture.card([left, top, width, height], "#ffffff", "#c9d1d9");
         for (row, arrow) in self.between(from, to).enumerate() {
             let line = top + PADDING / 2.0 + LINE_HEIGHT * (row as f64 + 0.72);
             picture.text((left + PADDING, line), Anchor::Start, TEXT, stroke(arrow.direct).colour, &arrow.text());
@@ -189,8 +193,7 @@ impl Layout {
     }
 
     /// From the side of the giver along its row, then along the column to the taker.
-    fn line(&self, picture: &mut Picture, graph: &Graph, arrow: &Arrow) {
-        let Arrow { from, to, direct, .. } = *arrow;
+    fn line(&self, picture: &mut Picture, graph: &Graph, (from, to): (usize, usize), direct: bool) {
         let ((x, y), end, start) = (self.middle(from, to), self.middle(to, to), self.middle(from, from));
         let shift = if direct { APART } else { -APART };
         // Rightwards and down above the diagonal, leftwards and up below it.
