@@ -64,9 +64,9 @@ fn no_script_changes_its_meaning_or_changes_twice() {
     let scripts = good_scripts();
     assert!(scripts.len() >= 7, "the scripts are there");
     for (file, script) in scripts {
-        let once = formatted(&script).unwrap_or_default();
-        assert_eq!(bare(&once), bare(&script), "{}", file.display());
-        assert_eq!(meaning(&once), meaning(&script), "{}", file.display());
+        let once = formatted(script).unwrap_or_default();
+        assert_eq!(bare(&once), bare(script), "{}", file.display());
+        assert_eq!(meaning(&once), meaning(script), "{}", file.display());
         assert_eq!(formatted(&once).as_deref(), Some(&*once), "{}", file.display());
     }
 }

@@ -1,7 +1,5 @@
 //! `lockstep check`: everything that is wrong with scripts and units, before anything runs.
 
-pub(super) mod fold;
-mod graph;
 mod plan;
 mod unit_file;
 mod unit_run;
@@ -116,7 +114,7 @@ impl Check {
         let script = Script::read(file, &self.set, self.catalogue(catalogue)?, self.isolate)
             .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", printable::path(file)), None))?;
         if let (Some(out), Some(scenario)) = (&self.graph, &script.scenario) {
-            let picture = graph::of(scenario, &descriptions(&script, scenario)).draw();
+            let picture = flatten::graph::of(scenario, &descriptions(&script, scenario)).draw();
             let problem = |error| Refusal::new(&format!("cannot write {}: {error}", printable::path(out)), None);
             std::fs::write(out, picture).map_err(problem)?;
         }

@@ -138,7 +138,7 @@ fn to_paste(unit: &OsStr) -> String {
 }
 
 /// A name that a script can declare.
-pub(super) fn scenario_name(name: &str) -> String {
+fn scenario_name(name: &str) -> String {
     let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if plain.starts_with(|c: char| c.is_ascii_digit()) { format!("u{plain}") } else { plain }
 }

@@ -1,6 +1,5 @@
 //! `lockstep new`: a crate for one's own unit, a script for units.
 
-mod matching;
 mod scenario;
 
 use fmi2::printable;

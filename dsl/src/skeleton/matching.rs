@@ -1,16 +1,9 @@
 //! Which outputs fit which inputs: by name, members and unit of measure.
 
-use crate::cli::check::fold::parts;
+use super::Loaded;
+use crate::groups::parts;
 use fmi2::description::{Causality, Kind, ModelDescription, Variable};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// A unit under its name in the script.
-pub(super) struct Named<'a> {
-    /// The name in the script.
-    pub name: String,
-    /// What its unit says of itself.
-    pub description: &'a ModelDescription,
-}
 
 /// A port of one unit, as a script writes it without the unit's name.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -39,14 +32,15 @@ struct Outputs<'a> {
 }
 
 /// For each input or group of inputs that some output fits, what fits it.
-pub(super) fn matches(units: &[Named<'_>]) -> Vec<Match> {
-    let outputs: Vec<_> = units.iter().map(|unit| Outputs::of(unit.description)).collect();
+pub(super) fn matches(units: &[Loaded]) -> Vec<Match> {
+    let outputs: Vec<_> = units.iter().map(|unit| Outputs::of(&unit.description)).collect();
     let mut matches = Vec::new();
     for (index, unit) in units.iter().enumerate() {
-        for (group, members) in input_groups(unit.description) {
+        for (group, members) in input_groups(&unit.description) {
             let fitting = units.iter().enumerate().filter(|(other, _)| *other != index).flat_map(|(other, source)| {
                 let groups = outputs[other].groups.iter().map(|group| Port { unit: other, name: (*group).to_owned() });
-                let fits = |port: &Port| outputs[other].fit(source.description, &port.name, unit.description, &members);
+                let fits =
+                    |port: &Port| outputs[other].fit(&source.description, &port.name, &unit.description, &members);
                 groups.filter(fits).collect::<Vec<_>>()
             });
             let fitting: Vec<_> = fitting.collect();
@@ -149,7 +143,7 @@ mod tests {
              </UnitDefinitions><ModelVariables>{}</ModelVariables><ModelStructure/></fmiModelDescription>",
             variables.collect::<String>()
         );
-        fmi2::description::read::read(xml.as_bytes()).unwrap().0
+        fmi2::description::read::read(xml.as_bytes()).expect("a description").0
     }
 
     #[test]
@@ -167,8 +161,11 @@ mod tests {
             ("input", "place.x", "m"),
             ("input", "place.y", "m"),
         ]);
-        let units = [("plant", &plant), ("control", &control)];
-        let units = units.map(|(name, description)| Named { name: name.to_owned(), description });
+        let units = [("plant", plant), ("control", control)].map(|(name, description)| Loaded {
+            name: name.to_owned(),
+            unit: name.to_owned(),
+            description,
+        });
         let found = matches(&units);
         let port = |unit, name: &str| Port { unit, name: name.to_owned() };
         let expected = [("state", true), ("place", false)].map(|(target, by_name)| Match {

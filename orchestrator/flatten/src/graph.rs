@@ -1,13 +1,14 @@
 //! The units of a script and their connections, for a picture.
 
-use super::fold::without_shared_members;
+use dsl::groups::without_shared_members;
 use dsl::scenario::{Connection, Drive, Port, Scenario, duration};
 use fmi2::description::{Kind, ModelDescription};
 use fmi2::printable;
 use results::graph::{Arrow, Graph, Node};
 
 /// The graph of a script; `descriptions` are those of its instances.
-pub(super) fn of(scenario: &Scenario, descriptions: &[&ModelDescription]) -> Graph {
+#[must_use]
+pub fn of(scenario: &Scenario, descriptions: &[&ModelDescription]) -> Graph {
     let nodes = scenario.instances.iter().map(|instance| Node {
         name: instance.name.clone(),
         unit: printable::line(&scenario.units[instance.unit].name),
