@@ -25,6 +25,61 @@ pub struct Label {
     pub text: String,
 }
 
+/// Bytes of a text, and what takes their place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Edit {
+    /// The bytes; none for an insertion.
+    pub span: Span,
+    /// The new text.
+    pub text: String,
+}
+
+impl Edit {
+    /// `text` in the place of `span`.
+    #[must_use]
+    pub fn new(span: Span, text: impl Into<String>) -> Self {
+        Self { span, text: text.into() }
+    }
+
+    /// `text` before `span`.
+    #[must_use]
+    pub fn before(span: Span, text: impl Into<String>) -> Self {
+        Self::new(Span { end: span.start, ..span }, text)
+    }
+
+    /// `text` after `span`.
+    #[must_use]
+    pub fn after(span: Span, text: impl Into<String>) -> Self {
+        Self::new(Span { start: span.end, ..span }, text)
+    }
+}
+
+/// A remedy that an editor can apply.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fix {
+    /// What it does, for example ``write `==` ``.
+    pub text: String,
+    /// The changes; they are in one text and do not overlap.
+    pub edits: Vec<Edit>,
+}
+
+impl Fix {
+    /// A text with the changes made; places outside of it change nothing.
+    #[must_use]
+    pub fn applied(&self, text: &str) -> String {
+        let mut edits: Vec<_> = self.edits.iter().collect();
+        edits.sort_by_key(|edit| edit.span);
+        let mut changed = text.to_owned();
+        for edit in edits.into_iter().rev() {
+            let bytes = edit.span.start as usize..edit.span.end as usize;
+            if changed.get(bytes.clone()).is_some() {
+                changed.replace_range(bytes, &edit.text);
+            }
+        }
+        changed
+    }
+}
+
 /// One finding about a script.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
@@ -38,6 +93,8 @@ pub struct Diagnostic {
     pub labels: Vec<Label>,
     /// How to fix it.
     pub help: Option<String>,
+    /// Remedies as changes of the text, the most probable first; each removes the finding.
+    pub fixes: Vec<Fix>,
 }
 
 impl Diagnostic {
@@ -45,7 +102,7 @@ impl Diagnostic {
     #[must_use]
     pub fn error(code: &'static str, span: Span, message: impl Into<String>) -> Self {
         let labels = vec![Label { span, text: String::new() }];
-        Self { severity: Severity::Error, code, message: message.into(), labels, help: None }
+        Self { severity: Severity::Error, code, message: message.into(), labels, help: None, fixes: Vec::new() }
     }
 
     /// A warning at one place.
@@ -76,7 +133,14 @@ impl Diagnostic {
         self
     }
 
-    /// Adds the fix.
+    /// Adds a remedy as changes of the text; what it does is said by `text`.
+    #[must_use]
+    pub fn fix(mut self, text: impl Into<String>, edits: impl IntoIterator<Item = Edit>) -> Self {
+        self.fixes.push(Fix { text: text.into(), edits: edits.into_iter().collect() });
+        self
+    }
+
+    /// Adds how to fix it, in words.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.help = Some(text.into());

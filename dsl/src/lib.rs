@@ -9,12 +9,15 @@
 #![forbid(unsafe_code)]
 
 pub mod diagnostic;
+pub mod format;
+pub mod groups;
 pub mod loader;
 pub mod nearest;
 pub mod parse;
 pub mod parts;
 pub mod resolve;
 pub mod scenario;
+pub mod skeleton;
 pub mod source;
 pub mod spelling;
 pub mod syntax;

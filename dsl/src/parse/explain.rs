@@ -6,8 +6,9 @@ use super::failure::{Failure, Place};
 use super::grammar::Rule;
 use super::wording::{Use, is_reserved, usage, words};
 use super::{lines, mistakes, scan};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Edit};
 use crate::nearest::nearest;
+use crate::source::Span;
 
 /// An error, and where parsing continues.
 pub(super) struct Explained {
@@ -48,20 +49,25 @@ pub(super) fn assignment(place: &Place<'_>, error: &Error<Rule>, example: &str) 
 fn unexpected(failure: &Failure<'_>) -> Diagnostic {
     let model = failure.begun();
     let looks = format!("{} looks like {}", model.called, model.example);
-    let help = match meant(failure) {
-        Some(meant) => format!("did you mean `{meant}`? {looks}"),
-        None => looks,
-    };
-    Diagnostic::error("E00", failure.span(), expected_and_found(failure)).help(help)
+    let error = Diagnostic::error("E00", failure.span(), expected_and_found(failure));
+    match meant(failure) {
+        Some((meant, span)) => error
+            .help(format!("did you mean `{meant}`? {looks}"))
+            .fix(format!("write `{meant}`"), [Edit::new(span, meant)]),
+        None => error.help(looks),
+    }
 }
 
-/// The keyword that the word found, or the one before it, is probably a misspelling of.
-fn meant(failure: &Failure<'_>) -> Option<&'static str> {
+/// The keyword that the word found, or the one before it, is probably a misspelling of, and which it is.
+fn meant(failure: &Failure<'_>) -> Option<(&'static str, Span)> {
     let expected = words_behind_values().filter(|word| failure.expects(word));
     let (found, previous) = (failure.found(), failure.previous());
-    nearest(found, expected).filter(|meant| *meant != found).or_else(|| {
+    let this = nearest(found, expected).filter(|meant| *meant != found);
+    this.map(|meant| (meant, failure.span())).or_else(|| {
         let misspelt = failure.expects("*") && !is_reserved(previous) && !found.is_empty();
-        nearest(previous, words(&[Use::Prefix, Use::Joint])).filter(|_| misspelt)
+        let before = failure.at - (failure.before().len() - failure.before().trim_end().len()) - previous.len();
+        let meant = nearest(previous, words(&[Use::Prefix, Use::Joint])).filter(|_| misspelt)?;
+        Some((meant, failure.span_of(before, previous.len())))
     })
 }
 

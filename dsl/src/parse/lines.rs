@@ -31,7 +31,7 @@ pub(super) fn continues(next: &str) -> bool {
 
 /// The byte length of what is quoted at the beginning of a text, with both quotes; up to the end of the line where nothing
 /// closes it. In double quotes a backslash takes away the meaning of what follows it.
-pub(super) fn quoted_length(text: &str) -> usize {
+pub(crate) fn quoted_length(text: &str) -> usize {
     let mut letters = text.char_indices();
     let quote = letters.next().map(|(_, quote)| quote);
     while let Some((at, letter)) = letters.next() {

@@ -2,8 +2,8 @@
 
 use super::failure::{Failure, closing, token};
 use super::wording::{is_reserved, is_statement_word, model_of, statement_words};
-use super::{explain, lines};
-use crate::diagnostic::Diagnostic;
+use super::{explain, lines, slips};
+use crate::diagnostic::{Diagnostic, Edit};
 use crate::nearest::nearest;
 
 /// The mistake that was made, if it is a known one.
@@ -13,12 +13,14 @@ pub(super) fn known(failure: &Failure<'_>) -> Option<Diagnostic> {
         connection_ends_in_value,
         connection_without_source,
         lonely_bracket,
-        foreign_symbol,
+        slips::decimal_comma,
+        slips::power,
+        slips::foreign_symbol,
         arrow_to_the_left,
-        assignment_for_comparison,
-        parted_digits,
-        leading_point,
-        loose_point,
+        slips::assignment_for_comparison,
+        slips::parted_digits,
+        slips::leading_point,
+        slips::loose_point,
         actions_without_braces,
         word_after_condition,
         ports_after_period,
@@ -32,7 +34,8 @@ pub(super) fn known(failure: &Failure<'_>) -> Option<Diagnostic> {
     .find_map(|mistake| mistake(failure))
 }
 
-fn error(failure: &Failure<'_>, message: impl Into<String>) -> Diagnostic {
+/// An error at the place of the failure.
+pub(super) fn error(failure: &Failure<'_>, message: impl Into<String>) -> Diagnostic {
     Diagnostic::error("E00", failure.span(), message)
 }
 
@@ -55,6 +58,14 @@ pub(super) fn unclosed(failure: &Failure<'_>) -> Option<(Diagnostic, usize)> {
     }
     if broken_off || other_closed {
         let label = format!("expected `{closing}` here at the latest");
+        let last = text[..failure.at].trim_end().len();
+        let line = &text[opened..last];
+        if broken_off && !line.contains(['\n', '\r']) {
+            let written = if bracket == '{' { " }".to_owned() } else { closing.to_string() };
+            let edit = Edit::before(failure.span_of(last, 0), written);
+            let diagnostic = diagnostic.label(failure.span(), label).fix(format!("write `{closing}`"), [edit]);
+            return Some((diagnostic, lines::next_statement(text, failure.at)));
+        }
         return Some((diagnostic.label(failure.span(), label), lines::next_statement(text, failure.at)));
     }
     // The first word of a statement in the braces of an fmu line was read as a key, in those of an at block as an action.
@@ -92,7 +103,12 @@ fn open_quote(failure: &Failure<'_>) -> Option<Diagnostic> {
     let found = failure.found();
     let quote = found.chars().next().filter(|quote| matches!(quote, '"' | '\''))?;
     let help = format!("write `{quote}` at its end; a text stands on one line");
-    (!lines::is_closed(found)).then(|| error(failure, format!("this `{quote}` is never closed")).help(help))
+    let is_word = !found.trim_end().contains([' ', '\t']) && found.trim_end().len() > 1;
+    (!lines::is_closed(found)).then(|| {
+        let error = error(failure, format!("this `{quote}` is never closed")).help(help);
+        let end = failure.span_of(failure.at + found.trim_end().len(), 0);
+        if is_word { error.fix(format!("write `{quote}`"), [Edit::before(end, quote.to_string())]) } else { error }
+    })
 }
 
 /// E13: `x => 3 m`
@@ -131,74 +147,17 @@ fn lonely_bracket(failure: &Failure<'_>) -> Option<Diagnostic> {
     Some(error(failure, format!("this `{bracket}` closes nothing")).help("drop it, or open the bracket before"))
 }
 
-/// Signs of other languages.
-fn foreign_symbol(failure: &Failure<'_>) -> Option<Diagnostic> {
-    let found = failure.found();
-    let help = match found {
-        ";" => "a statement ends with its line: drop the `;`",
-        "//" => "a comment begins with `#`",
-        "&&" | "&" => "write `and`",
-        "||" | "|" => "write `or`",
-        "!" => "write `not`",
-        "≥" => "write `>=`",
-        "≤" => "write `<=`",
-        "≠" => "write `!=`",
-        ":=" => "write `=`",
-        "==" if !failure.expects("==") => "to give a value write `=`",
-        "-->" => "write `->`",
-        "==>" => "write `=>`",
-        "^" | "**" => "a power of a unit has no blanks, `m/s^2`; a power of a value is a product, `x * x`",
-        "=>" if !failure.expects("->") && failure.expects("<=") => "to compare write `>=`",
-        _ => return None,
-    };
-    Some(error(failure, format!("`{found}` is no sign that can stand here")).help(help))
-}
-
 /// `a.u <- b.y`, which reads as `a.u < -b.y`.
 fn arrow_to_the_left(failure: &Failure<'_>) -> Option<Diagnostic> {
     let arrow = failure.before().find("<-").filter(|_| failure.expects("->"))?;
     let span = failure.span_of(failure.at - failure.before().len() + arrow, 2);
-    let help = "turn the connection: `quad.state -> ctrl.state`";
-    Some(Diagnostic::error("E00", span, "arrows point to the right").help(help))
-}
-
-fn assignment_for_comparison(failure: &Failure<'_>) -> Option<Diagnostic> {
-    if failure.found() != "=" || !failure.expects("==") || failure.expects("->") || failure.expects("]") {
-        return None;
-    }
-    Some(error(failure, "`=` gives a value, it does not compare").help("to compare write `==`"))
-}
-
-/// `1_000`
-fn parted_digits(failure: &Failure<'_>) -> Option<Diagnostic> {
-    let found = failure.found();
-    if !found.contains('_') || !found.starts_with(|c: char| c.is_ascii_digit()) {
-        return None;
-    }
-    let help = format!("the digits of a number stand together: `{}`", found.replace('_', ""));
-    Some(error(failure, format!("`{found}` is no number")).help(help))
-}
-
-/// `.5`
-fn leading_point(failure: &Failure<'_>) -> Option<Diagnostic> {
-    let after = failure.rest().strip_prefix('.').filter(|_| failure.expects_value())?;
-    let fraction = &after[..after.find(|c: char| !c.is_ascii_digit()).unwrap_or(after.len())];
-    let span = failure.span_of(failure.at, 1 + fraction.len());
-    let help = format!("write `0.{fraction}`");
-    (!fraction.is_empty()).then(|| Diagnostic::error("E00", span, "a number begins with a digit").help(help))
-}
-
-/// `5.`, `1.2.3`
-fn loose_point(failure: &Failure<'_>) -> Option<Diagnostic> {
-    let number = failure.previous();
-    let (digits, help) = match number.strip_suffix('.') {
-        Some(digits) => (digits, format!("write `{digits}` or `{digits}.0`")),
-        None if failure.found() == "." => (number, "a number has one decimal point".to_owned()),
-        None => return None,
-    };
-    let is_number = !digits.is_empty() && digits.chars().all(|c| c == '.' || c.is_ascii_digit());
-    let span = failure.span_of(failure.at - number.len(), number.len() + usize::from(!number.ends_with('.')));
-    is_number.then(|| Diagnostic::error("E00", span, "this point belongs to no number").help(help))
+    let error = Diagnostic::error("E00", span, "arrows point to the right");
+    let error = error.help("turn the connection: `quad.state -> ctrl.state`");
+    let line = failure.line();
+    let (target, source) = line.split_once("<-")?;
+    let turned = format!("{} -> {}", source.trim(), target.trim());
+    let whole = failure.span_of(failure.statement, line.len());
+    Some(if source.contains("<-") { error } else { error.fix(format!("write `{turned}`"), [Edit::new(whole, turned)]) })
 }
 
 fn actions_without_braces(failure: &Failure<'_>) -> Option<Diagnostic> {
@@ -207,7 +166,9 @@ fn actions_without_braces(failure: &Failure<'_>) -> Option<Diagnostic> {
         return None;
     }
     let message = format!("`{action}` stands in braces");
-    Some(error(failure, message).help(format!("write {}", failure.begun().example)))
+    let end = failure.span_of(failure.statement + failure.line().len(), 0);
+    let braces = [Edit::before(failure.span(), "{ "), Edit::after(end, " }")];
+    Some(error(failure, message).help(format!("write {}", failure.begun().example)).fix("write braces", braces))
 }
 
 /// `assert clear: x > 3 m always`, `assert clear: eventually x > 3 m within 5 s`
@@ -224,13 +185,17 @@ fn word_after_condition(failure: &Failure<'_>) -> Option<Diagnostic> {
     let line = failure.line();
     let (before, behind) = (failure.before(), line.get(failure.before().len() + word.len()..).unwrap_or_default());
     let begun = before.split_once(':').filter(|_| lines::first_word(before) == "assert");
-    let help = match (begun, behind.trim()) {
-        (Some((head, condition)), "") => format!("write `{head}: {word} {}`", condition.trim()),
-        (Some((head, condition)), behind) => format!("write `{head}: {word} {behind} {}`", condition.trim()),
-        (None, _) if word == "not" => "write `not` to the left of it".to_owned(),
-        (None, _) => format!("`{word}` belongs to an `assert`"),
+    let error = error(failure, format!("`{word}` comes before its condition"));
+    let Some((head, condition)) = begun else {
+        return Some(match word {
+            "not" => error.help("write `not` to the left of it"),
+            _ => error.help(format!("`{word}` belongs to an `assert`")),
+        });
     };
-    Some(error(failure, format!("`{word}` comes before its condition")).help(help))
+    let before = [head, ": ", word, " ", behind.trim()].concat();
+    let written = format!("{} {}", before.trim_end(), condition.trim());
+    let text = format!("write `{written}`");
+    Some(error.help(text.clone()).fix(text, [Edit::new(failure.span_of(failure.statement, line.len()), written)]))
 }
 
 /// `record a.x every 20 ms, b.x`
@@ -240,7 +205,8 @@ fn ports_after_period(failure: &Failure<'_>) -> Option<Diagnostic> {
         return None;
     }
     let help = "ports with a period of their own have a `record` line of their own";
-    Some(error(failure, "`every` ends a record line").help(help))
+    let edit = Edit::new(failure.span(), "\nrecord");
+    Some(error(failure, "`every` ends a record line").help(help).fix("begin another `record` line", [edit]))
 }
 
 /// `step 5 ms stop 90 s`
@@ -250,7 +216,9 @@ fn second_statement(failure: &Failure<'_>) -> Option<Diagnostic> {
         return None;
     }
     let message = format!("expected the end of the line after `{}`, found `{word}`", failure.previous());
-    Some(error(failure, message).help("each statement stands on a line of its own"))
+    let edit = Edit::before(failure.span(), "\n");
+    let error = error(failure, message).help("each statement stands on a line of its own");
+    Some(error.fix("begin another line", [edit]))
 }
 
 fn reserved_name(failure: &Failure<'_>) -> Option<Diagnostic> {
@@ -283,9 +251,12 @@ fn text_without_quotes(failure: &Failure<'_>) -> Option<Diagnostic> {
     let message = format!("expected a text in double quotes after `{previous}`, found {found}");
     let is_name = bare.starts_with(|c: char| c == '_' || c.is_alphanumeric());
     let model = failure.begun();
-    let help =
-        if is_name { format!("write `\"{bare}\"`") } else { format!("{} looks like {}", model.called, model.example) };
-    Some(error(failure, message).help(help))
+    let error = error(failure, message);
+    if !is_name {
+        return Some(error.help(format!("{} looks like {}", model.called, model.example)));
+    }
+    let text = format!("write `\"{bare}\"`");
+    Some(error.help(text.clone()).fix(text, [Edit::new(failure.span(), format!("\"{bare}\""))]))
 }
 
 /// A line that begins with no statement word and holds no arrow.
@@ -320,9 +291,9 @@ fn no_statement(failure: &Failure<'_>) -> Option<Diagnostic> {
     let is_path = line[word.len()..].starts_with(['.', '[', '(']);
     if let Some(meant) = nearest(word, statement_words()).filter(|_| !is_path) {
         let model = model_of(meant);
-        return Some(
-            at_word(message).help(format!("did you mean `{meant}`? {} looks like {}", model.called, model.example)),
-        );
+        let help = format!("did you mean `{meant}`? {} looks like {}", model.called, model.example);
+        let edit = Edit::new(failure.span_of(failure.statement, word.len()), meant);
+        return Some(at_word(message).help(help).fix(format!("write `{meant}`"), [edit]));
     }
     let found = explain::found(failure);
     let message = format!("expected `->` or `=>` after `{}`, found {found}", failure.previous());

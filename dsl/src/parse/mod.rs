@@ -13,6 +13,8 @@ mod grammar;
 mod lines;
 mod mistakes;
 mod scan;
+mod shape;
+mod slips;
 mod tree;
 mod wording;
 
@@ -20,9 +22,10 @@ use std::thread;
 
 use failure::Place;
 use grammar::{Grammar, Rule};
-pub(crate) use lines::symbols;
+pub(crate) use lines::{quoted_length, symbols};
 use pest::Parser;
 use pest::iterators::Pair;
+pub(crate) use shape::{Atom, Item, Shape, shape};
 
 use crate::diagnostic::Diagnostic;
 use crate::source::{Sources, Span};

@@ -4,11 +4,36 @@ use std::collections::BTreeSet;
 
 use super::frame::FrameId;
 use super::scope::Scope;
-use crate::diagnostic::{Diagnostic, SHOWN};
+use crate::diagnostic::{Diagnostic, Edit, Fix, SHOWN};
 use crate::source::Span;
 
 /// Help that is searched among all names, which for each of very many findings would take too long.
-pub(super) type Search = Box<dyn FnOnce(Scope<'_, '_>) -> Option<String>>;
+pub(super) type Search = Box<dyn FnOnce(Scope<'_, '_>) -> Option<Remedy>>;
+
+/// Help that was found, and the fix that it describes if there is one.
+pub(super) struct Remedy {
+    pub help: String,
+    pub fix: Option<Fix>,
+}
+
+impl From<String> for Remedy {
+    fn from(help: String) -> Self {
+        Self { help, fix: None }
+    }
+}
+
+impl Remedy {
+    /// That a name was probably meant, which is spelt `near`, in the place of a span.
+    pub fn meant(near: &str, span: Span) -> Self {
+        let fix = Fix { text: format!("write `{near}`"), edits: vec![Edit::new(span, near)] };
+        Self { help: format!("did you mean `{near}`?"), fix: Some(fix) }
+    }
+
+    /// The same with more to say.
+    pub fn saying(self, more: &str) -> Self {
+        Self { help: format!("{} {more}", self.help), ..self }
+    }
+}
 
 /// A finding, and where its help is searched.
 struct Finding {
@@ -58,7 +83,11 @@ impl Findings {
         let finish = |Finding { diagnostic, search }: Finding| {
             errors += usize::from(diagnostic.is_error());
             match search.filter(|_| errors <= SHOWN).and_then(|(frame, search)| search(scope.at(frame))) {
-                Some(help) => diagnostic.help(help),
+                Some(Remedy { help, fix }) => {
+                    let mut diagnostic = diagnostic.help(help);
+                    diagnostic.fixes.extend(fix);
+                    diagnostic
+                }
                 None => diagnostic,
             }
         };

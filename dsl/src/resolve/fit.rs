@@ -5,13 +5,14 @@ use std::rc::Rc;
 use fmi2::description::Kind;
 use fmi2::units::Dimension;
 
+use super::findings::Remedy;
 use super::meaning::{Condition, Meaning, Measure, Origin, Real, Text};
 use super::measure::{quantity, si_name};
 use super::real;
 use super::scope::Scope;
 use super::script::RESERVED;
 use super::signal::Signal;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Edit};
 use crate::nearest::{listed, nearest};
 use crate::scenario::{BooleanExpression, Curve, Drive, Port, RealExpression};
 use crate::source::{FileRef, Span};
@@ -176,7 +177,10 @@ impl Scope<'_, '_> {
         let message = format!("`{}` takes an item in quotes", self.port_name(*port));
         let error = Diagnostic::error("E34", value.span, message);
         self.refuse(match nearest(&path.root.text, items) {
-            Some(near) => error.help(format!("write `\"{near}\"`")),
+            Some(near) => {
+                let text = format!("write `\"{near}\"`");
+                error.help(text.clone()).fix(text, [Edit::new(value.span, format!("\"{near}\""))])
+            }
             None => error.help(format!("its items are {}", self.items(*port))),
         })
     }
@@ -193,8 +197,11 @@ impl Scope<'_, '_> {
             let items = scope.known(port.instance).items_of(port.variable);
             let near = nearest(&written, items.iter().map(|item| item.name.as_str()));
             Some(match near {
-                Some(near) => format!("did you mean \"{near}\"?"),
-                None => format!("its items are {}", scope.items(port)),
+                Some(near) => {
+                    let help = format!("did you mean \"{near}\"?");
+                    Remedy { help, ..Remedy::meant(&format!("\"{near}\""), span) }
+                }
+                None => Remedy::from(format!("its items are {}", scope.items(port))),
             })
         })
     }

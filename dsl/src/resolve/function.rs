@@ -11,7 +11,7 @@ use super::real;
 use super::scale::Scale;
 use super::scope::Scope;
 use super::script::not_yet;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Edit};
 use crate::nearest::nearest;
 use crate::scenario::{BooleanExpression, Function};
 use crate::source::{FileRef, Span};
@@ -45,7 +45,9 @@ impl Scope<'_, '_> {
         if !NAMES.contains(&name) {
             let error = Diagnostic::error("E01", function.span, format!("there is no function `{name}`"));
             return self.refuse(match nearest(name, NAMES) {
-                Some(near) => error.help(format!("did you mean `{near}`?")),
+                Some(near) => error
+                    .help(format!("did you mean `{near}`?"))
+                    .fix(format!("write `{near}`"), [Edit::new(function.span, near)]),
                 None => error.help(format!("the functions are {}", NAMES.join(" "))),
             });
         }

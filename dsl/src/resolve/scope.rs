@@ -13,7 +13,7 @@ use fmi2::units::BaseUnit;
 use super::Request;
 use super::curve::Loaded;
 use super::elaborate::elaborate;
-use super::findings::{Findings, Search};
+use super::findings::{Findings, Remedy, Search};
 use super::frame::{FrameId, Placed};
 use super::grid::Known;
 use super::meaning::Meaning;
@@ -156,12 +156,12 @@ impl<'s, 'a> Scope<'s, 'a> {
     }
 
     /// Notes an error whose help is searched later; what the error says already is the help where nothing is found.
-    pub fn refuse_and_search<T>(
+    pub fn refuse_and_search<T, R: Into<Remedy>>(
         self,
         finding: Diagnostic,
-        search: impl FnOnce(Scope<'_, '_>) -> Option<String> + 'static,
+        search: impl FnOnce(Scope<'_, '_>) -> Option<R> + 'static,
     ) -> Option<T> {
-        let search: Search = Box::new(search);
+        let search: Search = Box::new(move |scope| search(scope).map(Into::into));
         self.shared.findings.borrow_mut().add(finding, Some((self.frame, search)));
         None
     }
@@ -256,12 +256,12 @@ impl<'s, 'a> Scope<'s, 'a> {
         is_meant: fn(&Declaration<'_>) -> bool,
         also: &'static [&'static str],
     ) -> Option<T> {
-        let written = word.text.clone();
+        let (written, span) = (word.text.clone(), word.span);
         let error = Diagnostic::error("E01", word.span, format!("`{written}` is not declared in this script"));
         self.refuse_and_search(error.help("a name comes from a `fmu`, `param` or `let` line"), move |scope| {
             let names = scope.script.frames.known(scope.frame).filter(|(_, declaration)| is_meant(declaration));
             let near = nearest(&written, names.map(|(name, _)| name).chain(also.iter().copied()))?;
-            Some(format!("did you mean `{near}`?"))
+            Some(Remedy::meant(near, span))
         })
     }
 }

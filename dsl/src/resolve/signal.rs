@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use fmi2::description::{Causality, Kind};
 
+use super::findings::Remedy;
 use super::meaning::{Condition, Group, Meaning, Text};
 use super::path::Root;
 use super::scope::Scope;
@@ -142,14 +143,14 @@ impl Scope<'_, '_> {
         let all = format!("All {}: lockstep describe {}", unit.variables.len(), declared.unit.text);
         let message = format!("`{owner}` has no variable `{}`", word.text);
         let error = Diagnostic::error("E01", word.span, message).help(all.clone());
-        let written = word.text.clone();
+        let (written, span) = (word.text.clone(), word.span);
         self.refuse_and_search(error, move |scope| {
             let unit = scope.known(instance);
             let names = unit.beginning(&dotted).iter().filter_map(|&variable| {
                 let rest = unit.variables[variable].name.get(dotted.len()..)?;
                 rest.get(..rest.find(['.', '[']).unwrap_or(rest.len()))
             });
-            Some(format!("did you mean `{}`? {all}", spelling::variable(nearest(&written, names)?)))
+            Some(Remedy::meant(&spelling::variable(nearest(&written, names)?), span).saying(&all))
         })
     }
 

@@ -3,7 +3,7 @@
 use super::grid::Least;
 use super::meaning::{Condition, Temporal};
 use super::scope::Scope;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Edit};
 use crate::scenario::TickWindow;
 use crate::source::Span;
 use crate::syntax::{Expression, ExpressionKind, TemporalWord, TimeSpan};
@@ -68,7 +68,17 @@ impl Scope<'_, '_> {
         };
         let message = format!("`{name}` reaches to the end of the line, over the `{joint}`");
         let error = Diagnostic::error("E12", span, message).label(body.span, "all of this");
-        error.help(format!("write `{head} ({inside})`{apart}"))
+        let together = [Edit::before(body.span, "("), Edit::after(body.span, ")")];
+        let error = error.help(format!("write `{head} ({inside})`{apart}"));
+        let error = error.fix(format!("write `{head} ({inside})`"), together);
+        match parts.first() {
+            Some(first) => {
+                let whole = Span { end: first.span.end, ..span };
+                error
+                    .fix(format!("write `({})`", self.text(whole)), [Edit::before(whole, "("), Edit::after(whole, ")")])
+            }
+            None => error,
+        }
     }
 }
 

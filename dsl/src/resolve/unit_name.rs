@@ -5,17 +5,22 @@ use std::rc::Rc;
 
 use fmi2::units::{BaseUnit, parse};
 
+use super::findings::Remedy;
 use super::scope::Scope;
 use super::script::Script;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Edit};
 use crate::nearest::nearest;
+use crate::parse::is_plain_unit;
 use crate::source::Span;
 use crate::syntax::{Expression, ExpressionKind, Word};
 
 impl Scope<'_, '_> {
     /// The unit of measure that a script wrote in `of`, which is the number with its unit.
     pub fn unit_of_measure(&self, unit: &Word, of: &Expression) -> Option<BaseUnit> {
-        if let Some((name, declared)) = self.name_in_unit(unit) {
+        if let Some((name, at, declared)) = self.name_in_unit(unit) {
+            if parse(&unit.text).is_err() && self.meanings_of_unit(&unit.text).is_empty() {
+                return self.refuse(self.product_in_unit(unit, of, name, at));
+            }
             let (text, line) = (self.text(of.span), self.line(of.span));
             let message = format!("`{name}` is a unit of measure too, so that `{text}` (line {line}) cannot be read");
             return self.refuse(Diagnostic::error("E11", declared, message).help("rename it"));
@@ -39,13 +44,15 @@ impl Scope<'_, '_> {
                 let suggestion = unknown.suggestion.take();
                 let error = Diagnostic::error("E11", unit.span, unknown.to_string());
                 if let Some(near) = suggestion {
-                    return self.refuse(error.help(format!("did you mean `{near}`?")));
+                    let quote = u32::from(self.request.sources.slice(unit.span).starts_with('\''));
+                    let place = |byte: usize| unit.span.start + quote + u32::try_from(byte).unwrap_or(0);
+                    let part = Span { start: place(unknown.part.start), end: place(unknown.part.end), ..unit.span };
+                    let error = error.help(format!("did you mean `{near}`?"));
+                    return self.refuse(error.fix(format!("write `{near}`"), [Edit::new(part, near)]));
                 }
-                let written = unit.text.clone();
+                let (written, span) = (unit.text.clone(), unit.span);
                 let error = error.help("a unit of a loaded FMU may be written in quotes, for example `5 'N.m'`");
-                self.refuse_and_search(error, move |scope| {
-                    Some(format!("did you mean `{}`?", scope.near_loaded(&written)?))
-                })
+                self.refuse_and_search(error, move |scope| Some(Remedy::meant(&scope.near_loaded(&written)?, span)))
             }
         }
     }
@@ -77,18 +84,35 @@ impl Scope<'_, '_> {
     fn near_loaded(&self, written: &str) -> Option<String> {
         let units = self.script.units();
         let names = units.flat_map(|unit| &unit.units).map(|unit| unit.name.as_str());
-        nearest(written, names).map(|near| format!("'{near}'"))
+        nearest(written, names).map(|near| if is_plain_unit(near) { near.to_owned() } else { format!("'{near}'") })
     }
 
-    /// The first part after `*` or `/` that is a name of the script, with the place of its declaration.
-    fn name_in_unit<'u>(&self, unit: &'u Word) -> Option<(&'u str, Span)> {
+    /// That a factor is written into a unit: `2 m/s*k`.
+    fn product_in_unit(&self, unit: &Word, of: &Expression, name: &str, at: usize) -> Diagnostic {
+        let place = |byte: usize| unit.span.start + u32::try_from(byte).unwrap_or(0);
+        let operator = Span { start: place(at - 1), end: place(at), ..unit.span };
+        let (text, sign) = (self.text(of.span), self.text(operator));
+        let name_span = Span { start: place(at), end: place(at + name.len()), ..unit.span };
+        let error = Diagnostic::error("E11", name_span, format!("`{name}` in `{text}` is not a unit"));
+        let before = self.text(Span { end: operator.start, ..of.span });
+        let after = self.text(Span { start: operator.end, ..of.span });
+        let written = format!("{before} {sign} {after}");
+        let error = error.help(format!("a unit has no spaces, a product has: `{written}`"));
+        error.fix(format!("write `{written}`"), [Edit::new(operator, format!(" {sign} "))])
+    }
+
+    /// The first part after `*` or `/` that is a name of the script, with its byte in the unit and the place of its
+    /// declaration.
+    fn name_in_unit<'u>(&self, unit: &'u Word) -> Option<(&'u str, usize, Span)> {
         let is_quoted = self.request.sources.slice(unit.span).starts_with('\'');
         if is_quoted {
             return None;
         }
-        let parts = unit.text.split(['*', '/']).skip(1);
-        let mut names = parts.map(|part| &part[..part.find(|c: char| !c.is_alphabetic()).unwrap_or(part.len())]);
-        names.find_map(|name| Some((name, self.look_up(name)?.part.span())))
+        unit.text.match_indices(['*', '/']).find_map(|(sign, _)| {
+            let part = &unit.text[sign + 1..];
+            let name = &part[..part.find(|c: char| !c.is_alphabetic()).unwrap_or(part.len())];
+            Some((name, sign + 1, self.look_up(name)?.part.span()))
+        })
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::scope::Scope;
 use super::wire::Wired;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Edit};
 
 /// One unit waits for another because of a connection statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -74,7 +74,9 @@ impl Scope<'_, '_> {
         wires.dedup();
         let mut spans = wires.into_iter().map(|wire| self.script.wires[wire].part.arrow_span);
         let first = spans.next().unwrap_or(wire.arrow_span);
-        spans.fold(Diagnostic::error("E06", first, message), |error, span| error.label(span, "")).help(help)
+        let error = spans.fold(Diagnostic::error("E06", first, message), |error, span| error.label(span, ""));
+        let text = format!("write `{}`", example.replacen("=>", "->", 1));
+        error.help(help).fix(text, [Edit::new(wire.arrow_span, "->")])
     }
 
     /// Whether no output depends directly on an input, as with a plant whose outputs are its state.

@@ -13,7 +13,7 @@ use super::path::Root;
 use super::scope::Scope;
 use super::script::{Declaration, Wire, not_yet};
 use super::signal::Signal;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Edit};
 use crate::scenario::{Connection, Port, duration};
 use crate::source::Span;
 use crate::spelling;
@@ -85,7 +85,10 @@ impl Scope<'_, '_> {
         let (input, output) = (self.text(source.span), self.text(target.span));
         let arrow = self.text(wire.arrow_span);
         let error = Diagnostic::error("E04", target.span, format!("`{output}` is an output and cannot be a target"));
-        Some(error.label(source.span, "an input").help(format!("turn the arrow: `{output} {arrow} {input}`")))
+        let turned = format!("{output} {arrow} {input}");
+        let edit = Edit::new(source.span.to(target.span), turned.clone());
+        let error = error.label(source.span, "an input").help(format!("turn the arrow: `{turned}`"));
+        Some(error.fix("turn the arrow", [edit]))
     }
 
     fn wired(
@@ -152,7 +155,7 @@ impl Scope<'_, '_> {
         if givers.is_empty() {
             let error =
                 Diagnostic::error("E07", wire.arrow_span, "`=>` lets a unit step first, and none stands on its left");
-            self.report(error.help(format!("write `{source} -> {sink}`")));
+            self.report(held(error, wire, &format!("{source} -> {sink}")));
         }
         let divides = |giver: usize| {
             periods[giver].is_multiple_of(periods[taker]) || periods[taker].is_multiple_of(periods[giver])
@@ -171,9 +174,15 @@ impl Scope<'_, '_> {
                 period(taker)
             );
             let error = Diagnostic::error("E07", wire.arrow_span, message);
-            self.report(error.help(format!("write `{source} -> {sink}`")));
+            self.report(held(error, wire, &format!("{source} -> {sink}")));
         }
     }
+}
+
+/// The error with `->` as its remedy.
+fn held(error: Diagnostic, wire: &Wire<'_>, written: &str) -> Diagnostic {
+    let text = format!("write `{written}`");
+    error.help(text.clone()).fix(text, [Edit::new(wire.arrow_span, "->")])
 }
 
 /// `rises` compares two samples, and `=>` passes a value that is in no sample yet.

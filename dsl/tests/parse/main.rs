@@ -1,6 +1,7 @@
 //! Scripts as text: what they parse to, and what users read where they do not parse.
 
 mod foreign;
+mod format;
 mod mistakes;
 mod partial;
 mod scripts;

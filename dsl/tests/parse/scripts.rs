@@ -90,7 +90,7 @@ fn reserved_words_are_free_after_a_dot_and_as_keys() {
 }
 
 /// A tree without its places.
-fn kinds(part: &impl std::fmt::Debug) -> String {
+pub(super) fn kinds(part: &impl std::fmt::Debug) -> String {
     let shown = format!("{part:?}");
     let mut parts = shown.split("Span {");
     let first = parts.next().unwrap_or_default().to_owned();

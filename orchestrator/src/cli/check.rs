@@ -1,6 +1,5 @@
 //! `lockstep check`: everything that is wrong with scripts and units, before anything runs.
 
-mod fold;
 mod plan;
 mod unit_file;
 mod unit_run;
@@ -15,6 +14,7 @@ use fmi2::description::ModelDescription;
 use fmi2::printable;
 use results::report;
 use results::report::console::has_colour;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Checks scripts and .fmu files, and runs nothing unless asked to.
@@ -45,6 +45,9 @@ pub struct Check {
     /// Warnings count as errors
     #[arg(long)]
     strict: bool,
+    /// Draw the units of a script and their connections
+    #[arg(long, value_name = "F.svg")]
+    graph: Option<PathBuf>,
     #[command(flatten)]
     unit_run: unit_run::UnitRun,
 }
@@ -66,6 +69,10 @@ impl Check {
     /// Runs the command and returns its exit code.
     #[must_use]
     pub fn run(&self) -> u8 {
+        if let Some(refusal) = self.refused_graph() {
+            report::status(refusal.0.trim_end());
+            return exit_code::USAGE;
+        }
         let mut all_well = true;
         let mut tests_passed = true;
         let mut catalogue = None;
@@ -106,7 +113,23 @@ impl Check {
         }
         let script = Script::read(file, &self.set, self.catalogue(catalogue)?, self.isolate)
             .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", printable::path(file)), None))?;
+        if let (Some(out), Some(scenario)) = (&self.graph, &script.scenario) {
+            let picture = flatten::graph::of(scenario, &descriptions(&script, scenario)).draw();
+            let problem = |error| Refusal::new(&format!("cannot write {}: {error}", printable::path(out)), None);
+            std::fs::write(out, picture).map_err(problem)?;
+        }
         Ok(of_script(&script, has_colour(&std::io::stdout())))
+    }
+
+    /// That a picture is asked for that cannot be drawn.
+    fn refused_graph(&self) -> Option<Refusal> {
+        let out = self.graph.as_ref()?;
+        if out.extension() != Some(OsStr::new("svg")) {
+            let message = format!("--graph {} is no name of a picture", printable::path(out));
+            return Some(Refusal::new(&message, Some("pictures are SVG: let it end in .svg")));
+        }
+        let is_script = matches!(self.files.as_slice(), [file] if !is_archive(file));
+        (!is_script).then(|| Refusal::new(&"--graph draws one script", Some("name one script and no other file")))
     }
 
     /// The catalogue, made when the first file needs it.
@@ -198,6 +221,7 @@ mod tests {
                 isolate: false,
                 verbose: false,
                 strict: false,
+                graph: None,
                 unit_run: unit_run::UnitRun::default(),
             };
             let Refusal(message) = check.one(&file, &mut None).unwrap_err();

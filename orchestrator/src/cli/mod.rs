@@ -4,6 +4,7 @@ pub mod check;
 pub mod describe;
 pub mod diff;
 mod exit_code;
+pub mod fmt;
 pub mod new;
 pub mod pack;
 pub mod plot;
@@ -48,6 +49,7 @@ enum Command {
     Describe(describe::Describe),
     Pack(pack::Pack),
     New(new::New),
+    Fmt(fmt::Fmt),
     Plot(plot::Plot),
     Diff(diff::Diff),
     /// What a run starts to hold the units; not for people
@@ -98,6 +100,7 @@ impl Cli {
             Command::Describe(describe) => describe.run(),
             Command::Pack(pack) => pack.run(),
             Command::New(new) => new.run(),
+            Command::Fmt(fmt) => fmt.run(),
             Command::Plot(plot) => plot.run(),
             Command::Diff(diff) => diff.run(),
             Command::StepLoop => step_loop(),

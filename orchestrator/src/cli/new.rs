@@ -1,4 +1,6 @@
-//! `lockstep new`: a crate for one's own unit.
+//! `lockstep new`: a crate for one's own unit, a script for units.
+
+mod scenario;
 
 use fmi2::printable;
 use results::report;
@@ -16,6 +18,8 @@ pub struct New {
 enum What {
     /// Writes a crate for a unit of one's own, with a test and a script that runs it
     Unit(Unit),
+    /// Writes a script that loads units and connects what fits by name, members and unit of measure
+    Scenario(scenario::Scenario),
 }
 
 /// A crate for a unit.
@@ -32,7 +36,10 @@ impl New {
     /// Runs the command and returns its exit code.
     #[must_use]
     pub fn run(&self) -> u8 {
-        let What::Unit(unit) = &self.what;
+        let unit = match &self.what {
+            What::Unit(unit) => unit,
+            What::Scenario(scenario) => return scenario.run(),
+        };
         match unit.write() {
             Ok(()) => {
                 let name = &unit.name;

@@ -71,7 +71,7 @@ impl Script {
             _ => PathBuf::from("."),
         };
         let name = printable::path(path);
-        Ok(Self::resolved(name, folder, text, settings, catalogue, isolated))
+        Ok(Self::of_text(name, folder, text, settings, catalogue, isolated))
     }
 
     /// A script without a text of its own, whose tree is made of texts of the command line; `text` says all that it means.
@@ -94,7 +94,9 @@ impl Script {
         script
     }
 
-    fn resolved(
+    /// The same for a text of which paths are relative to `folder`.
+    #[must_use]
+    pub fn of_text(
         name: String,
         folder: PathBuf,
         text: String,

@@ -309,6 +309,20 @@ fn attempt(script: &str, settings: &[&str]) -> Result<Outcome, String> {
     Ok(Outcome { sources, resolved })
 }
 
+/// What is wrong with a script, whether it parses or not, without findings about forgotten connections; and its text.
+pub(super) fn findings(script: &str) -> (Sources, Vec<Diagnostic>) {
+    let mut sources = Sources::default();
+    let text = sources.add("test.scn", script);
+    let parsed = parse(&sources, text);
+    if !parsed.diagnostics.is_empty() {
+        return (sources, parsed.diagnostics);
+    }
+    let request = Request { sources: &sources, file: &parsed.file, loader: &Memory, settings: &[], isolated: false };
+    let mut found = resolve(&request).diagnostics;
+    found.retain(|finding| !is_about_completeness(finding));
+    (sources, found)
+}
+
 /// Whether a finding is about what the scripts of most tests have on purpose: units that are not connected.
 fn is_about_completeness(finding: &Diagnostic) -> bool {
     matches!(finding.code, "W02" | "W06")

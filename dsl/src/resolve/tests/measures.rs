@@ -129,7 +129,7 @@ fn an_unknown_unit_names_the_nearest() {
     8 | let b = 4 slgu
       |           ^^^^
       |
-      = help: did you mean `'slug'`?
+      = help: did you mean `slug`?
     "#);
 }
 

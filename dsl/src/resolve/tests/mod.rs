@@ -1,5 +1,6 @@
 //! Tests of the resolver: what scripts mean, and every error as a user sees it.
 
+mod broken;
 mod claims;
 mod columns;
 mod completeness;
@@ -13,6 +14,7 @@ mod limits;
 mod loader;
 mod meaning;
 mod measures;
+mod mutations;
 mod names;
 mod shared;
 mod times;

@@ -3,7 +3,7 @@
 mod paths;
 mod scale;
 mod series;
-mod svg;
+pub(crate) mod svg;
 
 use crate::table::Table;
 use paths::{Mark, Path};

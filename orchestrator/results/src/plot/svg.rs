@@ -4,14 +4,14 @@ use std::fmt::Write;
 
 /// Text colours and the colours of curves; the curves' are told apart by people with any kind of colour vision
 /// (Okabe & Ito's set, black left out).
-pub(super) const CURVES: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#999933"];
-pub(super) const INK: &str = "#24292f";
-pub(super) const FAINT_INK: &str = "#6e7781";
-pub(super) const GRID: &str = "#e3e6ea";
+pub(crate) const CURVES: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#999933"];
+pub(crate) const INK: &str = "#24292f";
+pub(crate) const FAINT_INK: &str = "#6e7781";
+pub(crate) const GRID: &str = "#e3e6ea";
 
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stroke {
+pub(crate) struct Stroke {
     pub colour: &'static str,
     pub width: f64,
     pub opacity: f64,
@@ -19,15 +19,15 @@ pub(super) struct Stroke {
 }
 
 impl Stroke {
-    pub(super) fn new(colour: &'static str, width: f64) -> Self {
+    pub(crate) fn new(colour: &'static str, width: f64) -> Self {
         Self { colour, width, opacity: 1.0, dashed: false }
     }
 
-    pub(super) fn faint(self, opacity: f64) -> Self {
+    pub(crate) fn faint(self, opacity: f64) -> Self {
         Self { opacity, ..self }
     }
 
-    pub(super) fn dashed(self) -> Self {
+    pub(crate) fn dashed(self) -> Self {
         Self { dashed: true, ..self }
     }
 
@@ -40,7 +40,7 @@ impl Stroke {
 
 /// The point of a text that its position refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Anchor {
+pub(crate) enum Anchor {
     Start,
     Middle,
     End,
@@ -48,7 +48,7 @@ pub(super) enum Anchor {
 
 /// A picture of fixed width that grows downwards.
 #[derive(Debug, Default)]
-pub(super) struct Picture {
+pub(crate) struct Picture {
     body: String,
 }
 
@@ -59,12 +59,12 @@ impl Picture {
         self.body.push('\n');
     }
 
-    pub(super) fn line(&mut self, from: (f64, f64), to: (f64, f64), stroke: Stroke) {
+    pub(crate) fn line(&mut self, from: (f64, f64), to: (f64, f64), stroke: Stroke) {
         self.curve(&[from, to], stroke);
     }
 
     /// An open line through points in the picture's pixels; points that are no numbers break it.
-    pub(super) fn curve(&mut self, points: &[(f64, f64)], stroke: Stroke) {
+    pub(crate) fn curve(&mut self, points: &[(f64, f64)], stroke: Stroke) {
         let mut path = String::new();
         let mut pen_down = false;
         for &(x, y) in points {
@@ -78,18 +78,25 @@ impl Picture {
         }
     }
 
-    pub(super) fn polygon(&mut self, points: &[(f64, f64)], colour: &str, opacity: f64) {
+    pub(crate) fn polygon(&mut self, points: &[(f64, f64)], colour: &str, opacity: f64) {
         let list: Vec<_> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
         self.add(format_args!("<polygon points=\"{}\" fill=\"{colour}\" fill-opacity=\"{opacity}\"/>", list.join(" ")));
     }
 
-    pub(super) fn dot(&mut self, (x, y): (f64, f64), radius: f64, colour: &str) {
+    /// A rectangle with round corners: left, top, width and height in pixels.
+    pub(crate) fn card(&mut self, [x, y, width, height]: [f64; 4], fill: &str, border: &str) {
+        self.add(format_args!(
+            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" rx=\"6\" fill=\"{fill}\" stroke=\"{border}\"/>"
+        ));
+    }
+
+    pub(crate) fn dot(&mut self, (x, y): (f64, f64), radius: f64, colour: &str) {
         self.add(format_args!(
             "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"{colour}\" stroke=\"#fff\" stroke-width=\"1.2\"/>"
         ));
     }
 
-    pub(super) fn text(&mut self, (x, y): (f64, f64), anchor: Anchor, size: f64, colour: &str, text: &str) {
+    pub(crate) fn text(&mut self, (x, y): (f64, f64), anchor: Anchor, size: f64, colour: &str, text: &str) {
         let anchor = match anchor {
             Anchor::Start => "start",
             Anchor::Middle => "middle",
@@ -102,7 +109,7 @@ impl Picture {
     }
 
     /// Names with the colours of their curves, from the left.
-    pub(super) fn legend(&mut self, (mut x, y): (f64, f64), entries: &[(String, Stroke)]) {
+    pub(crate) fn legend(&mut self, (mut x, y): (f64, f64), entries: &[(String, Stroke)]) {
         for (name, stroke) in entries {
             self.line((x, y - 4.0), (x + 18.0, y - 4.0), *stroke);
             self.text((x + 24.0, y), Anchor::Start, 12.0, INK, name);
@@ -111,7 +118,7 @@ impl Picture {
     }
 
     /// The whole picture.
-    pub(super) fn finish(self, title: &str, width: f64, height: f64) -> String {
+    pub(crate) fn finish(self, title: &str, width: f64, height: f64) -> String {
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
              font-family=\"system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif\">\n<title>{}</title>\n\

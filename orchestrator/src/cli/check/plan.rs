@@ -1,8 +1,8 @@
 //! What a script will do, as text that one can read and compare: units, connections, initialization, delays.
 
 use super::counted;
-use super::fold::{groups, without_shared_members};
 use crate::cli::describe;
+use dsl::groups::{groups, without_shared_members};
 use dsl::scenario::{Action, Connection, Drive, InitialStep, Port, RealExpression, Scenario, Value, duration};
 use dsl::spelling;
 use fmi2::description::{Causality, ModelDescription, Variable};

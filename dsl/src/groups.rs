@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 /// The names of variables without the members that all of them end in; each keeps its first part.
 ///
 /// `state.position.x` and `vehicle.position.x` become `state` and `vehicle`.
-pub(super) fn without_shared_members(names: &[&str]) -> Vec<String> {
+#[must_use]
+pub fn without_shared_members(names: &[&str]) -> Vec<String> {
     let mut parts: Vec<Vec<&str>> = names.iter().map(|name| parts(name)).collect();
     while parts.iter().all(|parts| parts.len() > 1) && parts.iter().all(|other| other.last() == parts[0].last()) {
         for parts in &mut parts {
@@ -16,7 +17,8 @@ pub(super) fn without_shared_members(names: &[&str]) -> Vec<String> {
 }
 
 /// Names by their first part, those with members with a count: `state (13), contact`.
-pub(super) fn groups<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+#[must_use]
+pub fn groups<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let mut groups: Vec<(&str, &str, usize)> = Vec::new();
     let mut places = BTreeMap::new();
     for name in names {
@@ -35,7 +37,8 @@ pub(super) fn groups<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
 }
 
 /// `a.b[1,2].'c.d'` as `a`, `.b`, `[1,2]`, `.'c.d'`; a quoted part stays whole.
-fn parts(name: &str) -> Vec<&str> {
+#[must_use]
+pub fn parts(name: &str) -> Vec<&str> {
     let mut parts = Vec::new();
     let (mut begin, mut quoted) = (0, false);
     for (at, letter) in name.char_indices() {
