@@ -5,7 +5,8 @@ use std::rc::Rc;
 use fmi2::description::Kind;
 use fmi2::units::Dimension;
 
-use super::meaning::{Condition, Meaning, Measure, Origin, Real, Text};
+use super::condition::Condition;
+use super::meaning::{Meaning, Measure, Origin, Real, Text};
 use super::measure::{quantity, si_name};
 use super::real;
 use super::scope::Scope;

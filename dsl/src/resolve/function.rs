@@ -5,7 +5,8 @@ use std::rc::Rc;
 use fmi2::units::Dimension;
 
 use super::arithmetic::{Pair, is_vector, preferred};
-use super::meaning::{Condition, Meaning, Measure, Real, Text};
+use super::condition::Condition;
+use super::meaning::{Meaning, Measure, Real, Text};
 use super::measure::quantity;
 use super::real;
 use super::scale::Scale;

@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::meaning::Meaning;
-use crate::scenario::{Action, BooleanExpression, Drive, Formula, RealExpression as E, Scenario};
+use crate::scenario::{Action, BooleanExpression, Drive, Formula, Gated, RealExpression as E, Scenario, Until};
 
 /// An expression apart from its parts: its kind and what else distinguishes it from others.
 type Head = (u8, u64, u64);
@@ -159,6 +159,10 @@ fn of_formula(formula: &mut Formula, visit: &mut dyn FnMut(&mut E)) {
         Formula::Margin(margin) => visit(&mut margin.value),
         Formula::Condition(condition) => of_condition(condition, visit),
         Formula::And(parts) | Formula::Or(parts) => parts.iter_mut().for_each(|part| of_formula(part, visit)),
-        Formula::Always(_, body) | Formula::Eventually(_, body) => of_formula(body, visit),
+        Formula::Always(_, body) | Formula::Eventually(_, body) | Formula::Finally(body) => of_formula(body, visit),
+        Formula::Gated(Gated { gate, body, .. }) | Formula::Until(Until { gate, body, .. }) => {
+            of_formula(gate, visit);
+            of_formula(body, visit);
+        }
     }
 }

@@ -4,7 +4,8 @@ use std::rc::Rc;
 
 use fmi2::description::{Causality, Kind};
 
-use super::meaning::{Condition, Group, Meaning, Text};
+use super::condition::Condition;
+use super::meaning::{Group, Meaning, Text};
 use super::scope::Scope;
 use super::script::{Declaration, not_yet};
 use crate::diagnostic::Diagnostic;

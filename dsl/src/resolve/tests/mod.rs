@@ -5,6 +5,7 @@ mod completeness;
 mod connections;
 mod differences;
 mod fixtures;
+mod gates;
 mod initial;
 mod limits;
 mod loader;

@@ -37,7 +37,16 @@ fn claims() -> Vec<Claim> {
         Formula::Always(window(None), Box::new(within)),
         Formula::Always(window(None), Box::new(Formula::Eventually(window(None), body()))),
     ];
-    let claim = |formula| Claim { name: String::new(), text: String::new(), line: 1, formula, unit: None, limit: None };
+    let claim = |formula| Claim {
+        name: String::new(),
+        text: String::new(),
+        line: 1,
+        formula,
+        unit: None,
+        limit: None,
+        parts: Vec::new(),
+        gates: Vec::new(),
+    };
     formulas.map(claim).to_vec()
 }
 
