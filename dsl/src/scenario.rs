@@ -9,6 +9,7 @@ mod curve;
 mod duration;
 mod event;
 mod reads;
+mod running;
 
 use crate::source::FileRef;
 pub use claim::{Claim, ClaimPart, Formula, Gated, Limit, MarginUnit, TickWindow, Until};
@@ -16,6 +17,7 @@ pub use curve::Curve;
 pub use duration::duration;
 pub use event::{Action, Event, Fault, FaultKind, Set, Trigger};
 pub use reads::Slots;
+pub use running::{Running, RunningKind, RunningMemory};
 use serde::{Deserialize, Serialize};
 
 /// A script, ready to run.
@@ -205,6 +207,10 @@ pub enum RealExpression {
     Call(Function, Vec<RealExpression>),
     /// Index into [`Scenario::shared`].
     Shared(usize),
+    /// A summary of the samples so far; in a finished scenario it stands in [`Scenario::shared`] only.
+    Running(Running),
+    /// 1 where a condition holds, else 0.
+    Truth(Box<BooleanExpression>),
 }
 
 /// The functions with a real value.

@@ -14,6 +14,7 @@ use crate::syntax::{Expression, Name, TemporalWord};
 
 use super::measure::quantity;
 use super::real;
+use super::running::{latest_start, latest_start_of};
 
 /// The most steps of which a claim keeps values; more would not fit into memory with the run.
 const MOST_STEPS_AHEAD: u64 = 10_000_000;
@@ -37,6 +38,7 @@ impl Scope<'_, '_> {
         } else if total(&windows) > MOST_STEPS_AHEAD {
             self.report(too_far(name, total(&windows)));
         }
+        self.check_starts(name, &condition, (0, stop_tick.unwrap_or(u64::MAX)));
         let limit = match bounds.as_slice() {
             [(bound, negated)] => bound.limit.map(|limit| Limit { upper: limit.upper != *negated, ..limit }),
             _ => None,
@@ -53,6 +55,42 @@ impl Scope<'_, '_> {
             parts,
             gates,
         })
+    }
+
+    /// That no running value is asked for before its first time, by a condition that is asked for from a tick on.
+    fn check_starts(&self, name: &Name, condition: &Condition, (from, stop): (u64, u64)) {
+        let start = match condition {
+            Condition::Plain(plain) => latest_start_of(plain),
+            Condition::Bound(bound) => latest_start(&bound.margin.value),
+            Condition::Not(of) => return self.check_starts(name, of, (from, stop)),
+            Condition::And(parts) | Condition::Or(parts) => {
+                return parts.iter().for_each(|part| self.check_starts(name, part, (from, stop)));
+            }
+            Condition::Temporal(claim) => {
+                let is_last = claim.word == TemporalWord::Finally;
+                let from = if is_last { stop } else { from.saturating_add(claim.window.from) };
+                return self.check_starts(name, &claim.body, (from, stop));
+            }
+            Condition::Implies { gate, then, .. } => {
+                return [gate, then].into_iter().for_each(|part| self.check_starts(name, part, (from, stop)));
+            }
+            Condition::Until(until) => {
+                self.check_starts(name, &until.body, (from, stop));
+                return self.check_starts(name, &until.gate, (from.saturating_add(until.window.from), stop));
+            }
+        };
+        let Some((start, _)) = start.filter(|(start, _)| *start > from) else { return };
+        let step_ns = self.grid().map_or(0, |grid| grid.step_ns);
+        let is_too_late = start > stop;
+        let [from, start] = [from, start].map(|tick| duration(tick.saturating_mul(step_ns)));
+        let claim = &name.word.text;
+        let message = format!("`{claim}` asks from {from} on for a running value that there is from {start} on");
+        let error = Diagnostic::error("E09", name.span, message);
+        self.report(if is_too_late {
+            error.help(format!("give it an earlier first time, or write `stop {start}`"))
+        } else {
+            error.help(format!("ask for it at the end, `finally …`, or later: `always after {start} …`"))
+        });
     }
 
     /// What reports say of the atoms and gates of a condition, in the order in which formulas have them.

@@ -7,6 +7,7 @@ use super::condition::{Bound, Condition, opposite as not};
 use super::meaning::{Meaning, Measure, Origin, Real, Text};
 use super::measure::si_name;
 use super::real;
+use super::running::{count_equals, is_count};
 use super::scope::Scope;
 use super::script::not_yet;
 use crate::diagnostic::Diagnostic;
@@ -180,6 +181,12 @@ impl Scope<'_, '_> {
             }
             (Meaning::Real(l), Meaning::Real(r)) => match (whole(l), whole(r)) {
                 (Some(l), Some(r)) => Some(Some(BooleanExpression::Constant(l == r))),
+                (None, Some(_)) if is_count(&l.expression) => {
+                    Some(Some(count_equals(l.expression.clone(), r.expression.clone())))
+                }
+                (Some(_), None) if is_count(&r.expression) => {
+                    Some(Some(count_equals(r.expression.clone(), l.expression.clone())))
+                }
                 _ => Some(None),
             },
             (Meaning::Item(port), Meaning::Text(Text::Literal(name))) => same(

@@ -1,6 +1,7 @@
 //! Conditions and claims: one tree, from which a run gets conditions at one point in time or formulas with margins.
 
 use super::meaning::{Measure, real_size};
+use super::running::latest_start_of;
 use crate::scenario::{BooleanExpression, Limit, Margin, MarginUnit, RealExpression, TickWindow};
 use crate::source::Span;
 use crate::syntax::TemporalWord;
@@ -82,7 +83,8 @@ pub(super) struct Until {
     pub gate: Box<Condition>,
 }
 
-fn boolean_size(condition: &BooleanExpression) -> usize {
+/// How many parts it has.
+pub(super) fn boolean_size(condition: &BooleanExpression) -> usize {
     use BooleanExpression as B;
     1 + match condition {
         B::Constant(_) | B::Signal(_) | B::Same(..) | B::Rises(_) => 0,
@@ -106,12 +108,24 @@ impl Condition {
         }
     }
 
-    /// The condition as one that a run evaluates at a point in time.
+    /// The condition as one that a run evaluates at a point in time; false as long as a running value in it has no value.
     ///
     /// # Errors
     /// The place of a temporal word.
     pub fn boolean(&self) -> Result<BooleanExpression, Span> {
-        let all = |parts: &[Self]| parts.iter().map(Self::boolean).collect::<Result<Vec<_>, _>>();
+        let condition = self.at_any_time()?;
+        let Some((from_tick @ 1.., step_s)) = latest_start_of(&condition) else { return Ok(condition) };
+        // Half a step before it, so that rounding does not matter.
+        #[expect(clippy::cast_precision_loss, reason = "exact up to 2^53 ticks")]
+        let from_s = (from_tick as f64 - 0.5) * step_s;
+        let since =
+            RealExpression::Subtract(Box::new(RealExpression::Time), Box::new(RealExpression::Constant(from_s)));
+        let begun = BooleanExpression::Margin(Margin { value: since, strict: false });
+        Ok(BooleanExpression::And(vec![begun, condition]))
+    }
+
+    fn at_any_time(&self) -> Result<BooleanExpression, Span> {
+        let all = |parts: &[Self]| parts.iter().map(Self::at_any_time).collect::<Result<Vec<_>, _>>();
         Ok(match self {
             Self::Plain(condition) => condition.clone(),
             Self::Bound(bound) => match bound.margin.value {
@@ -120,11 +134,11 @@ impl Condition {
                 }
                 _ => BooleanExpression::Margin(bound.margin.clone()),
             },
-            Self::Not(inner) => opposite(inner.boolean()?),
+            Self::Not(inner) => opposite(inner.at_any_time()?),
             Self::And(parts) => joined(all(parts)?, false, BooleanExpression::And),
             Self::Or(parts) => joined(all(parts)?, true, BooleanExpression::Or),
             Self::Implies { gate, then, .. } => {
-                joined(vec![opposite(gate.boolean()?), then.boolean()?], true, BooleanExpression::Or)
+                joined(vec![opposite(gate.at_any_time()?), then.at_any_time()?], true, BooleanExpression::Or)
             }
             Self::Temporal(temporal) => return Err(temporal.span),
             Self::Until(until) => return Err(until.span),

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use fmi2::units::{BaseUnit, Dimension};
 
-use super::condition::Condition;
+use super::condition::{Condition, boolean_size};
 use super::scale::Scale;
 use crate::scenario::{BooleanExpression, MarginUnit, Port, RealExpression};
 use crate::source::FileRef;
@@ -174,6 +174,8 @@ pub(super) fn real_size(value: &RealExpression) -> usize {
             real_size(left) + real_size(right)
         }
         E::Call(_, arguments) => arguments.iter().map(real_size).sum(),
+        E::Running(running) => real_size(&running.of),
+        E::Truth(condition) => boolean_size(condition),
     }
 }
 

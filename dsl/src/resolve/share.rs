@@ -6,7 +6,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::meaning::Meaning;
-use crate::scenario::{Action, BooleanExpression, Drive, Formula, Gated, RealExpression as E, Scenario, Until};
+use crate::scenario::{
+    Action, BooleanExpression, Drive, Formula, Gated, RealExpression as E, Running, Scenario, Until,
+};
 
 /// An expression apart from its parts: its kind and what else distinguishes it from others.
 type Head = (u8, u64, u64);
@@ -22,6 +24,10 @@ struct Numbers {
     shared: Vec<E>,
     /// The expressions that get a slot.
     is_shared: BTreeSet<usize>,
+    /// The running values, which have one memory each and so get a slot in any case.
+    running: BTreeSet<usize>,
+    /// The conditions by their text, which is equal where they are.
+    conditions: BTreeMap<String, u64>,
 }
 
 /// Moves the values of these meanings that are used more than once to [`Scenario::shared`].
@@ -29,15 +35,13 @@ pub(super) fn share<'m>(scenario: &mut Scenario, meanings: impl Iterator<Item = 
     let mut numbers = Numbers::default();
     let mut named = BTreeSet::new();
     meanings.for_each(|meaning| numbers.name(meaning, &mut named));
-    if named.is_empty() {
-        return;
-    }
     let mut uses = BTreeMap::new();
     expressions(scenario, &mut |expression| {
         let number = numbers.number(expression);
         numbers.count(number, &named, &mut uses);
     });
     numbers.is_shared = uses.into_iter().filter(|&(_, count)| count > 1).map(|(number, _)| number).collect();
+    numbers.is_shared.extend(&numbers.running);
     expressions(scenario, &mut |expression| {
         numbers.number(expression);
     });
@@ -58,13 +62,16 @@ impl Numbers {
 
     /// The number of an expression; parts that get a slot, and the expression itself, are replaced.
     fn number(&mut self, expression: &mut E) -> usize {
-        let head = head(expression);
+        let head = self.head(expression);
         let mut parts = Vec::new();
         for_parts(expression, &mut |part| parts.push(self.number(part)));
         let new = self.parts.len();
         let number = *self.by_node.entry((head, parts.clone())).or_insert(new);
         if number == new {
             self.parts.push(parts);
+        }
+        if matches!(expression, E::Running(_)) {
+            self.running.insert(number);
         }
         if self.is_shared.contains(&number) {
             let slot = *self.slots.entry(number).or_insert(self.shared.len());
@@ -74,6 +81,28 @@ impl Numbers {
             }
         }
         number
+    }
+
+    fn head(&mut self, expression: &E) -> Head {
+        match *expression {
+            E::Constant(value) => (0, value.to_bits(), 0),
+            E::Signal(port) => (1, port.instance as u64, port.variable as u64),
+            E::Time => (2, 0, 0),
+            E::Affine { factor, offset, .. } => (3, factor.to_bits(), offset.to_bits()),
+            E::InverseAffine { factor, offset, .. } => (4, factor.to_bits(), offset.to_bits()),
+            E::Negate(_) => (5, 0, 0),
+            E::Add(..) => (6, 0, 0),
+            E::Subtract(..) => (7, 0, 0),
+            E::Multiply(..) => (8, 0, 0),
+            E::Divide(..) => (9, 0, 0),
+            E::Call(function, _) => (10, function as u64, 0),
+            E::Running(Running { kind, from_tick, .. }) => (11, kind as u64, from_tick),
+            E::Truth(ref condition) => {
+                let new = self.conditions.len() as u64;
+                (12, *self.conditions.entry(format!("{condition:?}")).or_insert(new), 0)
+            }
+            E::Shared(_) => unreachable!("each expression is visited once"),
+        }
     }
 
     /// Counts the places in which named expressions are used; what is used inside of one counts once.
@@ -98,23 +127,6 @@ fn is_computed(expression: &E) -> bool {
     }
 }
 
-fn head(expression: &E) -> Head {
-    match *expression {
-        E::Constant(value) => (0, value.to_bits(), 0),
-        E::Signal(port) => (1, port.instance as u64, port.variable as u64),
-        E::Time => (2, 0, 0),
-        E::Affine { factor, offset, .. } => (3, factor.to_bits(), offset.to_bits()),
-        E::InverseAffine { factor, offset, .. } => (4, factor.to_bits(), offset.to_bits()),
-        E::Negate(_) => (5, 0, 0),
-        E::Add(..) => (6, 0, 0),
-        E::Subtract(..) => (7, 0, 0),
-        E::Multiply(..) => (8, 0, 0),
-        E::Divide(..) => (9, 0, 0),
-        E::Call(function, _) => (10, function as u64, 0),
-        E::Shared(_) => unreachable!("each expression is visited once"),
-    }
-}
-
 fn for_parts(expression: &mut E, visit: &mut dyn FnMut(&mut E)) {
     match expression {
         E::Constant(_) | E::Signal(_) | E::Time | E::Shared(_) => {}
@@ -124,6 +136,8 @@ fn for_parts(expression: &mut E, visit: &mut dyn FnMut(&mut E)) {
             visit(right);
         }
         E::Call(_, arguments) => arguments.iter_mut().for_each(visit),
+        E::Running(running) => visit(&mut running.of),
+        E::Truth(condition) => of_condition(condition, visit),
     }
 }
 

@@ -85,6 +85,7 @@ impl BooleanExpression {
 }
 
 impl RealExpression {
+    /// As [`Drive::reads`].
     fn reads(&self, slots: Slots<'_>, visit: &mut dyn FnMut(Port)) {
         match self {
             Self::Constant(_) | Self::Time => {}
@@ -98,6 +99,8 @@ impl RealExpression {
                 right.reads(slots, visit);
             }
             Self::Shared(slot) => slots.shared[*slot].reads(slots, visit),
+            Self::Running(running) => running.of.reads(slots, visit),
+            Self::Truth(condition) => condition.reads(slots, visit),
             Self::Call(_, arguments) => arguments.iter().for_each(|argument| argument.reads(slots, visit)),
         }
     }

@@ -5,5 +5,6 @@
 pub mod claims;
 pub mod columns;
 pub mod expression;
+pub mod running;
 pub mod values;
 pub mod wiring;

@@ -12,6 +12,7 @@ mod loader;
 mod meaning;
 mod measures;
 mod names;
+mod running;
 mod shared;
 mod times;
 mod types;
