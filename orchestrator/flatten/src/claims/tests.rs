@@ -328,3 +328,57 @@ fn a_run_without_a_sample_leaves_every_claim_unjudged() {
     let (standing, ..) = judge(&above_zero(0, true), &[], 10, Completeness::CutOff);
     assert_eq!(standing.verdict, Verdict::Unjudged);
 }
+
+/// The verdict and margin of a run that came to its own end, for the samples of both signals.
+fn outcome(formula: &Formula, a: &[f64], b: &[f64]) -> (Verdict, f64) {
+    let trace: Vec<_> = a.iter().zip(b).map(|(&a, &b)| [a, b]).collect();
+    let standing = judge(formula, &trace, 100, Completeness::Complete).0;
+    (standing.verdict, standing.margin)
+}
+
+fn implies(gate: Formula, body: Formula) -> Formula {
+    Formula::Gated(Gated { any: true, gate: Box::new(gate), body: Box::new(body) })
+}
+
+fn until(to: Option<u64>, body: Formula, gate: Formula) -> Formula {
+    let window = TickWindow { from: 0, to };
+    Formula::Until(Until { any: true, window, body: Box::new(body), gate: Box::new(gate) })
+}
+
+#[test]
+fn gates_until_and_finally_by_their_smallest_examples() {
+    use Verdict::{Fails, Holds, Unjudged, Untested};
+    const INFINITY: f64 = f64::INFINITY;
+    let [a, b, a_fails] = [above_zero(0, true), above_zero(1, true), negated_above_zero(0)];
+    // a > 0 implies b > 0, whose gate is stored as not a > 0.
+    let gated = always(0, None, implies(a_fails.clone(), b.clone()));
+    let late = always(0, None, implies(a_fails, eventually(0, Some(2), b.clone())));
+    let [waits, waits_for_2] = [None, Some(2)].map(|to| until(to, a.clone(), b.clone()));
+    let last = Formula::Finally(Box::new(a));
+    let table: [(&str, &Formula, &[f64], &[f64], (Verdict, f64)); 13] = [
+        ("open twice", &gated, &[1.0, -1.0, 2.0], &[5.0, -9.0, 3.0], (Holds, 3.0)),
+        ("open and violated", &gated, &[1.0, -1.0, 2.0], &[5.0, -9.0, -3.0], (Fails, -3.0)),
+        ("never open", &gated, &[-1.0, -1.0], &[5.0, -9.0], (Untested, INFINITY)),
+        ("open in the last ticks only", &late, &[-1.0, -1.0, -1.0, 1.0], &[-1.0; 4], (Untested, INFINITY)),
+        ("answered late enough", &late, &[1.0, -1.0, -1.0, -1.0], &[-1.0, -1.0, 4.0, -1.0], (Holds, 4.0)),
+        ("it comes", &waits, &[3.0, 2.0, -5.0], &[-1.0, -1.0, 1.0], (Holds, 2.0)),
+        ("it comes too late for a", &waits, &[3.0, -2.0, 5.0], &[-1.0, -1.0, 1.0], (Fails, -2.0)),
+        ("it never comes", &waits, &[3.0, 2.0, 5.0], &[-1.0; 3], (Fails, -INFINITY)),
+        ("it is there at once", &waits, &[-3.0, 2.0], &[1.0, 1.0], (Untested, INFINITY)),
+        ("it comes after its window", &waits_for_2, &[3.0; 4], &[-1.0, -1.0, -1.0, 1.0], (Fails, -INFINITY)),
+        ("its window is cut short", &waits_for_2, &[3.0; 2], &[-1.0; 2], (Unjudged, 3.0)),
+        ("its window is cut short and a failed", &waits_for_2, &[3.0, -4.0], &[-1.0; 2], (Fails, -4.0)),
+        ("at the last sample", &last, &[-3.0, -4.0, 7.0], &[0.0; 3], (Holds, 7.0)),
+    ];
+    for (name, formula, a, b, expected) in table {
+        assert_eq!(outcome(formula, a, b), expected, "{name}");
+    }
+    let cut = judge(&last, &[[1.0, 0.0]], 100, Completeness::CutOff).0;
+    assert_eq!((cut.verdict, cut.margin), (Unjudged, 1.0));
+}
+
+/// `not x > 0`
+fn negated_above_zero(variable: usize) -> Formula {
+    let value = RealExpression::Negate(Box::new(signal(variable)));
+    Formula::Margin(Margin { value, strict: false })
+}

@@ -31,7 +31,7 @@ fn claims() -> Vec<Claim> {
     let body = || Box::new(Formula::Margin(Margin { value: signal(1), strict: false }));
     let window = |to| TickWindow { from: 0, to };
     let within = Formula::Eventually(window(Some(20)), body());
-    let until = |to| {
+    let until = |to: Option<u64>| {
         let (gate, any) = (Box::new(Formula::Finally(body())), true);
         let gated = Box::new(Formula::Gated(Gated { any, gate: body(), body: body() }));
         let gate = if to.is_some() { body() } else { gate };
