@@ -4,16 +4,20 @@
 //! This is the only type of the language that a run sees. It is flat on purpose: groups, vectors and conversions are
 //! gone, each connection has one scalar target, times are ticks. Reals inside expressions are SI.
 
+mod claim;
 mod curve;
 mod duration;
 mod event;
 mod reads;
+mod running;
 
 use crate::source::FileRef;
+pub use claim::{Claim, ClaimPart, Formula, Gated, Limit, MarginUnit, TickWindow, Until};
 pub use curve::Curve;
 pub use duration::duration;
 pub use event::{Action, Event, Fault, FaultKind, Set, Trigger};
 pub use reads::Slots;
+pub use running::{Running, RunningKind, RunningMemory};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -206,6 +210,10 @@ pub enum RealExpression {
     Shared(usize),
     /// A value over time.
     Curve(Arc<Curve>),
+    /// A summary of the samples so far; in a finished scenario it stands in [`Scenario::shared`] only.
+    Running(Running),
+    /// 1 where a condition holds, else 0.
+    Truth(Box<BooleanExpression>),
 }
 
 /// The functions with a real value.
@@ -328,67 +336,6 @@ pub struct Margin {
     pub value: RealExpression,
     /// Whether zero fails.
     pub strict: bool,
-}
-
-/// An `assert`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Claim {
-    /// The name.
-    pub name: String,
-    /// The claim as written, on one line.
-    pub text: String,
-    /// Line of the `assert` in its file, from 1.
-    pub line: usize,
-    /// What must hold at tick 0.
-    pub formula: Formula,
-    /// The unit in which margins are shown; `None` where all margins are infinite.
-    pub unit: Option<MarginUnit>,
-    /// For a claim about one comparison with a constant: its limit.
-    pub limit: Option<Limit>,
-}
-
-/// The unit of a margin: a difference, so without offset.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MarginUnit {
-    /// The name as the script writes it; empty for plain numbers.
-    pub name: String,
-    /// SI value of one.
-    pub factor: f64,
-}
-
-/// The constant side of a comparison.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Limit {
-    /// The constant, in [`MarginUnit`].
-    pub value: f64,
-    /// Whether values must stay below it; what was seen is `value - margin`, else `value + margin`.
-    pub upper: bool,
-}
-
-/// A claim's meaning in negation normal form: `not` is in atoms only, so that not-a-number fails under it too.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Formula {
-    /// A comparison with a margin.
-    Margin(Margin),
-    /// A condition with margin ±∞.
-    Condition(BooleanExpression),
-    /// All hold; the margin is the smallest.
-    And(Vec<Formula>),
-    /// One holds; the margin is the largest.
-    Or(Vec<Formula>),
-    /// Holds at every tick of the window; the margin is the smallest.
-    Always(TickWindow, Box<Formula>),
-    /// Holds at some tick of the window; the margin is the largest.
-    Eventually(TickWindow, Box<Formula>),
-}
-
-/// Ticks from now on, both ends included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct TickWindow {
-    /// The first.
-    pub from: u64,
-    /// The last; `None` reaches to the last tick at which the body can be judged.
-    pub to: Option<u64>,
 }
 
 /// One column of the trace.

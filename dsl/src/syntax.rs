@@ -253,10 +253,12 @@ pub enum ExpressionKind {
     Boolean(bool),
     /// `a.b[1]`
     Path(Path),
-    /// `[1, 2, 3] m`
+    /// `[1, 2, 3] m`, `[2 m; 3]`
     List {
         /// The elements.
         elements: Vec<Expression>,
+        /// How many times the one element counts.
+        copies: Option<Box<Expression>>,
         /// The unit of all of them.
         unit: Option<Word>,
     },
@@ -301,7 +303,7 @@ pub enum ExpressionKind {
     },
     /// `g implies φ`
     Implies(Box<Expression>, Box<Expression>),
-    /// `always …`, `eventually …`, `hold for d …`
+    /// `always …`, `eventually …`, `finally …`, `hold for d …`
     Temporal {
         /// The keyword.
         word: TemporalWord,
@@ -325,6 +327,8 @@ pub struct ComparisonLink {
     pub operand: Expression,
     /// `± d`
     pub tolerance: Option<Expression>,
+    /// The place of `within w`.
+    pub tolerance_time: Option<Span>,
 }
 
 /// The arithmetic operators.
@@ -364,6 +368,8 @@ pub enum TemporalWord {
     Always,
     /// `eventually`
     Eventually,
+    /// `finally`
+    Finally,
     /// `hold for`
     Hold,
 }

@@ -123,7 +123,9 @@ fn value(failure: &Failure<'_>) -> &'static str {
         "step" | "stop" | "at" | "every" | "lasting" | "held" | "within" | "after" => "a time",
         "for" if failure.before().contains("hold") => "a time",
         ":" => "a claim",
-        "when" | "while" | "and" | "or" | "not" | "implies" | "until" | "always" | "eventually" => "a condition",
+        "when" | "while" | "and" | "or" | "not" | "implies" | "until" | "always" | "eventually" | "finally" => {
+            "a condition"
+        }
         _ if failure.expects("..") && statement == "assert" => "a condition",
         _ => "a value",
     }

@@ -108,7 +108,11 @@ impl Walk<'_> {
                 (TemporalWord::Hold, Some(TimeSpan::Within { from: None, to }))
             }
             rule => {
-                let word = if rule == Rule::ALWAYS { TemporalWord::Always } else { TemporalWord::Eventually };
+                let word = match rule {
+                    Rule::ALWAYS => TemporalWord::Always,
+                    Rule::FINALLY => TemporalWord::Finally,
+                    _ => TemporalWord::Eventually,
+                };
                 (word, parts.next_if(|part| part.as_rule() == Rule::span).map(|span| self.time_span(span)))
             }
         };
@@ -136,8 +140,9 @@ impl Walk<'_> {
             let operand = self.expression(next(&mut parts));
             let tolerance =
                 parts.next_if(|part| part.as_rule() == Rule::tol).map(|_| self.expression(next(&mut parts)));
-            let operator_span = self.span(&operator);
-            rest.push(ComparisonLink { operator: comparator(operator.as_str()), operator_span, operand, tolerance });
+            let tolerance_time = parts.next_if(|part| part.as_rule() == Rule::tol_time).map(|part| self.span(&part));
+            let (operator, operator_span) = (comparator(operator.as_str()), self.span(&operator));
+            rest.push(ComparisonLink { operator, operator_span, operand, tolerance, tolerance_time });
         }
         if rest.is_empty() {
             return first;
@@ -199,8 +204,14 @@ impl Walk<'_> {
     fn list(&mut self, pair: Pair<'_, Rule>) -> Expression {
         let span = self.span(&pair);
         let mut parts = pair.into_inner();
-        let elements = next(&mut parts).into_inner().map(|element| self.expression(element)).collect();
-        bare(ExpressionKind::List { elements, unit: self.unit(parts.next()) }, span)
+        let (mut elements, mut copies) = (Vec::new(), None);
+        for part in next(&mut parts).into_inner() {
+            match part.as_rule() {
+                Rule::copies => copies = Some(Box::new(self.expression(next(&mut part.into_inner())))),
+                _ => elements.push(self.expression(part)),
+            }
+        }
+        bare(ExpressionKind::List { elements, copies, unit: self.unit(parts.next()) }, span)
     }
 
     fn unit(&self, pair: Option<Pair<'_, Rule>>) -> Option<Word> {

@@ -175,7 +175,7 @@ fn actions_without_braces(failure: &Failure<'_>) -> Option<Diagnostic> {
 fn word_after_condition(failure: &Failure<'_>) -> Option<Diagnostic> {
     let word = failure.found();
     let is_window = matches!(word, "within" | "after");
-    if !(is_window || matches!(word, "always" | "eventually" | "hold" | "not")) || !failure.expects("*") {
+    if !(is_window || matches!(word, "always" | "eventually" | "finally" | "hold" | "not")) || !failure.expects("*") {
         return None;
     }
     if is_window {

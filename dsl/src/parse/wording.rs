@@ -75,7 +75,7 @@ const fn keyword(word: &'static str, rule: Rule, usage: Use) -> Keyword {
 }
 
 /// All words of the language, which cannot be names. The rule `word` of the grammar lists them too, which a test checks.
-pub(super) const KEYWORDS: [Keyword; 34] = [
+pub(super) const KEYWORDS: [Keyword; 35] = [
     keyword("scenario", Rule::SCENARIO, Use::Statement),
     keyword("step", Rule::STEP, Use::Statement),
     keyword("stop", Rule::STOP, Use::Statement),
@@ -100,6 +100,7 @@ pub(super) const KEYWORDS: [Keyword; 34] = [
     keyword("after", Rule::AFTER, Use::Clause),
     keyword("always", Rule::ALWAYS, Use::Prefix),
     keyword("eventually", Rule::EVENTUALLY, Use::Prefix),
+    keyword("finally", Rule::FINALLY, Use::Prefix),
     keyword("hold", Rule::HOLD, Use::Prefix),
     keyword("not", Rule::NOT, Use::Prefix),
     keyword("in", Rule::IN, Use::Conversion),

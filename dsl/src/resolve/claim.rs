@@ -1,17 +1,21 @@
 //! `assert`: what must hold, how far it looks ahead, and what its margin is measured in.
 
+use std::collections::BTreeSet;
+
+use super::condition::{Bound, Condition, Until, opposite};
 use super::frame::Placed;
-use super::meaning::{Bound, Condition, Measure};
+use super::meaning::Measure;
 use super::scope::Scope;
 use super::script::ClaimLine;
 use super::temporal::total;
 use crate::diagnostic::Diagnostic;
-use crate::scenario::{BooleanExpression, Claim, Formula, Limit, Margin, duration};
+use crate::scenario::{self, BooleanExpression, Claim, ClaimPart, Formula, Gated, Limit, Margin, duration};
 use crate::source::Span;
 use crate::syntax::TemporalWord;
 
 use super::measure::quantity;
 use super::real;
+use super::running::{latest_start, latest_start_of};
 
 /// The most steps of which a claim keeps values; more would not fit into memory with the run.
 const MOST_STEPS_AHEAD: u64 = 10_000_000;
@@ -35,10 +39,13 @@ impl Scope<'_, '_> {
         } else if total(&windows) > MOST_STEPS_AHEAD {
             self.report(too_far((name, *span), total(&windows)));
         }
+        self.check_starts(name, &condition, (0, stop_tick.unwrap_or(u64::MAX)));
         let limit = match bounds.as_slice() {
             [(bound, negated)] => bound.limit.map(|limit| Limit { upper: limit.upper != *negated, ..limit }),
             _ => None,
         };
+        let (mut parts, mut gates) = (Vec::new(), Vec::new());
+        self.describe(&condition, "", (&mut parts, &mut gates));
         Some(Claim {
             name: name.clone(),
             text: self.text(claim.span),
@@ -46,7 +53,76 @@ impl Scope<'_, '_> {
             formula: condition.formula(false),
             unit: bounds.first().map(|(bound, _)| bound.unit.clone()),
             limit,
+            parts,
+            gates,
         })
+    }
+
+    /// That no running value is asked for before its first time, by a condition that is asked for from a tick on.
+    fn check_starts(&self, name: &Name, condition: &Condition, (from, stop): (u64, u64)) {
+        let start = match condition {
+            Condition::Plain(plain) => latest_start_of(plain),
+            Condition::Bound(bound) => latest_start(&bound.margin.value),
+            Condition::Not(of) => return self.check_starts(name, of, (from, stop)),
+            Condition::And(parts) | Condition::Or(parts) => {
+                return parts.iter().for_each(|part| self.check_starts(name, part, (from, stop)));
+            }
+            Condition::Temporal(claim) => {
+                let is_last = claim.word == TemporalWord::Finally;
+                let from = if is_last { stop } else { from.saturating_add(claim.window.from) };
+                return self.check_starts(name, &claim.body, (from, stop));
+            }
+            Condition::Implies { gate, then, .. } => {
+                return [gate, then].into_iter().for_each(|part| self.check_starts(name, part, (from, stop)));
+            }
+            Condition::Until(until) => {
+                self.check_starts(name, &until.body, (from, stop));
+                return self.check_starts(name, &until.gate, (from.saturating_add(until.window.from), stop));
+            }
+        };
+        let Some((start, _)) = start.filter(|(start, _)| *start > from) else { return };
+        let step_ns = self.grid().map_or(0, |grid| grid.step_ns);
+        let is_too_late = start > stop;
+        let [from, start] = [from, start].map(|tick| duration(tick.saturating_mul(step_ns)));
+        let claim = &name.word.text;
+        let message = format!("`{claim}` asks from {from} on for a running value that there is from {start} on");
+        let error = Diagnostic::error("E09", name.span, message);
+        self.report(if is_too_late {
+            error.help(format!("give it an earlier first time, or write `stop {start}`"))
+        } else {
+            error.help(format!("ask for it at the end, `finally …`, or later: `always after {start} …`"))
+        });
+    }
+
+    /// What reports say of the atoms and gates of a condition, in the order in which formulas have them.
+    fn describe(&self, condition: &Condition, window: &str, into: (&mut Vec<ClaimPart>, &mut Vec<String>)) {
+        let (parts, gates) = into;
+        let within = |head: Span| format!("{window} {}", self.text(head)).trim().to_owned();
+        match condition {
+            Condition::Plain(_) | Condition::Bound(_) => {
+                let mut ports = BTreeSet::new();
+                self.of_formula(&condition.formula(false), &mut ports);
+                let text = if let Condition::Bound(bound) = condition { self.text(bound.span) } else { String::new() };
+                let signals = ports.into_iter().map(|port| self.port_name(port)).collect();
+                parts.push(ClaimPart { text, window: window.to_owned(), signals });
+            }
+            Condition::Not(of) => self.describe(of, window, (parts, gates)),
+            Condition::And(all) | Condition::Or(all) => {
+                all.iter().for_each(|part| self.describe(part, window, (parts, gates)));
+            }
+            Condition::Temporal(claim) => self.describe(&claim.body, &within(claim.head), (parts, gates)),
+            Condition::Implies { gate, gate_span, then } => {
+                self.describe(gate, window, (parts, gates));
+                self.describe(then, window, (parts, gates));
+                gates.push(format!("{} never happened", self.text(*gate_span)));
+            }
+            Condition::Until(until) => {
+                let window = within(until.head);
+                self.describe(&until.gate, &window, (parts, gates));
+                self.describe(&until.body, &window, (parts, gates));
+                gates.push(format!("`until` ended at once: {}", self.text(until.gate_span)));
+            }
+        }
     }
 
     fn check_dimensions(&self, bounds: &[(&Bound, bool)]) {
@@ -90,7 +166,7 @@ fn too_far((name, span): (&str, Span), steps: u64) -> Diagnostic {
 }
 
 impl Condition {
-    /// All comparisons of reals, each with whether it is under an odd number of `not`.
+    /// All comparisons of reals outside gates, each with whether it is under an odd number of `not`.
     fn collect_bounds<'c>(&'c self, negated: bool, bounds: &mut Vec<(&'c Bound, bool)>) {
         match self {
             Self::Plain(_) => {}
@@ -98,6 +174,8 @@ impl Condition {
             Self::Not(of) => of.collect_bounds(!negated, bounds),
             Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.collect_bounds(negated, bounds)),
             Self::Temporal(claim) => claim.body.collect_bounds(negated, bounds),
+            Self::Implies { then, .. } => then.collect_bounds(negated, bounds),
+            Self::Until(until) => until.body.collect_bounds(negated, bounds),
         }
     }
 
@@ -105,7 +183,7 @@ impl Condition {
     fn formula(&self, negated: bool) -> Formula {
         let all = |parts: &[Self]| parts.iter().map(|part| part.formula(negated)).collect();
         match self {
-            Self::Plain(condition) if negated => Formula::Condition(opposite(condition)),
+            Self::Plain(condition) if negated => Formula::Condition(denied(condition)),
             Self::Plain(condition) => Formula::Condition(condition.clone()),
             Self::Bound(Bound { margin, .. }) if negated => {
                 Formula::Margin(Margin { value: real::negate(margin.value.clone()), strict: !margin.strict })
@@ -116,8 +194,19 @@ impl Condition {
             Self::And(parts) => Formula::And(all(parts)),
             Self::Or(parts) if negated => Formula::And(all(parts)),
             Self::Or(parts) => Formula::Or(all(parts)),
+            Self::Implies { gate, then, .. } => {
+                let (gate, body) = (Box::new(gate.formula(!negated)), Box::new(then.formula(negated)));
+                Formula::Gated(Gated { any: !negated, gate, body })
+            }
+            Self::Until(Until { window, body, gate, .. }) => {
+                let (body, gate) = (Box::new(body.formula(negated)), Box::new(gate.formula(negated)));
+                Formula::Until(scenario::Until { any: !negated, window: *window, body, gate })
+            }
             Self::Temporal(claim) => {
                 let body = Box::new(claim.body.formula(negated));
+                if claim.word == TemporalWord::Finally {
+                    return Formula::Finally(body);
+                }
                 if (claim.word == TemporalWord::Eventually) == negated {
                     Formula::Always(claim.window, body)
                 } else {
@@ -128,10 +217,10 @@ impl Condition {
     }
 }
 
-fn opposite(condition: &BooleanExpression) -> BooleanExpression {
+/// `not condition`, where two negations are none.
+fn denied(condition: &BooleanExpression) -> BooleanExpression {
     match condition {
-        BooleanExpression::Constant(value) => BooleanExpression::Constant(!value),
         BooleanExpression::Not(of) => (**of).clone(),
-        other => BooleanExpression::Not(Box::new(other.clone())),
+        other => opposite(other.clone()),
     }
 }

@@ -3,10 +3,13 @@
 use std::collections::BTreeSet;
 
 use super::arithmetic::{Pair, is_vector};
-use super::meaning::{Bound, Condition, Meaning, Measure, Origin, Real, Text};
+use super::condition::{Bound, Condition, opposite as not};
+use super::meaning::{Meaning, Measure, Origin, Real, Text};
 use super::measure::si_name;
 use super::real;
+use super::running::{count_equals, is_count};
 use super::scope::Scope;
+use super::script::not_yet;
 use crate::diagnostic::Diagnostic;
 use crate::scenario::{BooleanExpression, Function, Limit, Margin, MarginUnit, Operand, Port, RealExpression, Value};
 use crate::source::Span;
@@ -49,6 +52,9 @@ impl Scope<'_, '_> {
     }
 
     fn compared(&self, sides: &Sides<'_>, left: &Meaning, right: &Meaning) -> Option<Condition> {
+        if let Some(span) = sides.link.tolerance_time {
+            return self.refuse(not_yet(span, "`within` after `±`"));
+        }
         for (side, meaning) in [(sides.left, left), (sides.right, right)] {
             if is_vector(meaning) {
                 let message = format!("`{}` is a vector and has no order", self.text(side.span));
@@ -175,6 +181,12 @@ impl Scope<'_, '_> {
             }
             (Meaning::Real(l), Meaning::Real(r)) => match (whole(l), whole(r)) {
                 (Some(l), Some(r)) => Some(Some(BooleanExpression::Constant(l == r))),
+                (None, Some(_)) if is_count(&l.expression) => {
+                    Some(Some(count_equals(l.expression.clone(), r.expression.clone())))
+                }
+                (Some(_), None) if is_count(&r.expression) => {
+                    Some(Some(count_equals(r.expression.clone(), l.expression.clone())))
+                }
                 _ => Some(None),
             },
             (Meaning::Item(port), Meaning::Text(Text::Literal(name))) => same(
@@ -224,13 +236,6 @@ impl Scope<'_, '_> {
 fn one_way(rest: &[ComparisonLink]) -> bool {
     let all = |ways: [Comparator; 2]| rest.iter().all(|link| ways.contains(&link.operator));
     all([Comparator::Less, Comparator::LessEqual]) || all([Comparator::Greater, Comparator::GreaterEqual])
-}
-
-fn not(condition: BooleanExpression) -> BooleanExpression {
-    match condition {
-        BooleanExpression::Constant(value) => BooleanExpression::Constant(!value),
-        other => BooleanExpression::Not(Box::new(other)),
-    }
 }
 
 /// Both hold or neither does.

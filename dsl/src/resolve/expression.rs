@@ -4,19 +4,23 @@ use std::rc::Rc;
 
 use fmi2::units::{BaseUnit, Dimension};
 
+use super::condition::Condition;
 use super::frame::Placed;
 use super::literal::literal;
-use super::meaning::{Condition, Group, Meaning, Measure, Origin, Real, Text};
+use super::meaning::{Group, Meaning, Measure, Origin, Real, Text};
 use super::measure::unit_name;
 use super::path::Root;
 use super::real;
 use super::scale::Scale;
 use super::scope::Scope;
-use super::script::{Declaration, RESERVED, not_yet};
+use super::script::{Declaration, RESERVED};
 use crate::diagnostic::Diagnostic;
 use crate::scenario::{BooleanExpression, RealExpression};
 use crate::source::Span;
 use crate::syntax::{Expression, ExpressionKind as Kind, Path, Segment, Word};
+
+/// The longest list that `[w; n]` makes: the largest groups of units have far fewer members.
+const MOST_COPIES: usize = 4096;
 
 impl Scope<'_, '_> {
     /// What an expression means; `None` if that was refused, here or in something that it depends on.
@@ -34,7 +38,7 @@ impl Scope<'_, '_> {
             Kind::Text(text) => Some(Meaning::Text(Text::Literal(text.clone()))),
             Kind::Boolean(value) => Some(Meaning::plain(BooleanExpression::Constant(*value))),
             Kind::Path(_) => unreachable!("the meaning of a path is looked up"),
-            Kind::List { elements, unit } => self.list(expression, elements, unit.as_ref()),
+            Kind::List { elements, copies, unit } => self.list(expression, elements, copies.as_deref(), unit.as_ref()),
             Kind::Call { function, arguments } => self.call(function, arguments, span),
             Kind::Negate(of) => self.negated(of),
             Kind::In(of, unit) => self.in_unit(expression, of, unit),
@@ -48,13 +52,14 @@ impl Scope<'_, '_> {
             Kind::Not(of) => Some(Meaning::Condition(Condition::Not(Box::new(self.condition(of)?)))),
             Kind::And(parts) => self.conditions(parts).map(|parts| Meaning::Condition(Condition::And(parts))),
             Kind::Or(parts) => self.conditions(parts).map(|parts| Meaning::Condition(Condition::Or(parts))),
-            Kind::Until { left, right, .. } => {
-                let _ = (self.evaluate(left), self.evaluate(right));
-                self.refuse(not_yet(span, "`until`"))
+            Kind::Until { left, span: window, right } => {
+                self.until(left, window.as_ref(), right, span).map(|until| Meaning::Condition(Condition::Until(until)))
             }
-            Kind::Implies(left, right) => {
-                let _ = (self.evaluate(left), self.evaluate(right));
-                self.refuse(not_yet(span, "`implies`"))
+            Kind::Implies(gate, then) => {
+                let gate_span = gate.span;
+                let (gate, then) = (self.condition(gate), self.condition(then));
+                let (gate, then) = (Box::new(gate?), Box::new(then?));
+                Some(Meaning::Condition(Condition::Implies { gate, gate_span, then }))
             }
             Kind::Temporal { word, word_span, span: window, body } => self
                 .temporal(*word, *word_span, window.as_ref(), body)
@@ -70,7 +75,13 @@ impl Scope<'_, '_> {
         self.finite(value, expression.span).map(Meaning::Real)
     }
 
-    fn list(&self, expression: &Expression, elements: &[Expression], unit: Option<&Word>) -> Option<Meaning> {
+    fn list(
+        &self,
+        expression: &Expression,
+        elements: &[Expression],
+        copies: Option<&Expression>,
+        unit: Option<&Word>,
+    ) -> Option<Meaning> {
         let base = match unit {
             Some(unit) => Some((self.unit_of_measure(unit, expression)?, unit)),
             None => None,
@@ -83,7 +94,22 @@ impl Scope<'_, '_> {
             }
         };
         let elements: Vec<_> = elements.iter().map(element).collect();
-        elements.into_iter().collect::<Option<_>>().map(Meaning::List)
+        let count = copies.map(|copies| self.number_of_copies(copies));
+        let elements = elements.into_iter().collect::<Option<Vec<_>>>()?;
+        match count {
+            None => Some(Meaning::List(elements)),
+            Some(count) => Some(Meaning::List(elements.iter().cycle().take(count?).cloned().collect())),
+        }
+    }
+
+    /// The number after the `;` of a list.
+    fn number_of_copies(&self, copies: &Expression) -> Option<usize> {
+        let count = self.whole_number(copies)?;
+        usize::try_from(count).ok().filter(|count| (1..=MOST_COPIES).contains(count)).or_else(|| {
+            let message = format!("a list of {count} elements");
+            let error = Diagnostic::error("E38", copies.span, message);
+            self.refuse(error.help(format!("`[w; 4]` is `[w, w, w, w]`; the number goes from 1 to {MOST_COPIES}")))
+        })
     }
 
     /// Gives plain numbers the unit that follows their list.

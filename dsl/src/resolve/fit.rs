@@ -5,8 +5,9 @@ use std::rc::Rc;
 use fmi2::description::Kind;
 use fmi2::units::Dimension;
 
+use super::condition::Condition;
 use super::findings::Remedy;
-use super::meaning::{Condition, Meaning, Measure, Origin, Real, Text};
+use super::meaning::{Meaning, Measure, Origin, Real, Text};
 use super::measure::{quantity, si_name};
 use super::real;
 use super::scope::Scope;
@@ -74,6 +75,7 @@ impl Scope<'_, '_> {
             (Kind::String { .. }, Meaning::Text(Text::Port(port))) => Drive::Copy(*port),
             (_, value) => return self.refuse(self.types_differ(value, target, at)),
         };
+        self.refuse_running(&drive, at.source)?;
         self.check_limits(&drive, target, at)?;
         Some(Fitted::Drive(drive))
     }

@@ -5,9 +5,11 @@ use std::rc::Rc;
 use fmi2::units::Dimension;
 
 use super::arithmetic::{Pair, is_vector, preferred};
-use super::meaning::{Condition, Meaning, Measure, Real, Text};
+use super::condition::Condition;
+use super::meaning::{Meaning, Measure, Real, Text};
 use super::measure::quantity;
 use super::real;
+use super::running::RUNNING;
 use super::scale::Scale;
 use super::scope::Scope;
 use super::script::not_yet;
@@ -17,9 +19,9 @@ use crate::scenario::{BooleanExpression, Function};
 use crate::source::{FileRef, Span};
 use crate::syntax::{Expression, Operator, Word};
 
-const NAMES: [&str; 20] = [
+const NAMES: [&str; 21] = [
     "abs", "min", "max", "sum", "mean", "sqrt", "exp", "log", "floor", "sin", "cos", "tan", "atan2", "norm", "dist",
-    "all", "any", "rises", "file", "curve",
+    "mod", "all", "any", "rises", "file", "curve",
 ];
 
 /// The dimension of an angle.
@@ -42,13 +44,16 @@ impl Scope<'_, '_> {
         if matches!(name, "normal" | "uniform" | "choice") {
             return self.refuse(not_yet(span, &format!("`{name}`")));
         }
+        if RUNNING.contains(&name) {
+            return self.running(function, arguments, span);
+        }
         if !NAMES.contains(&name) {
             let error = Diagnostic::error("E01", function.span, format!("there is no function `{name}`"));
-            return self.refuse(match nearest(name, NAMES) {
+            return self.refuse(match nearest(name, NAMES.into_iter().chain(RUNNING)) {
                 Some(near) => error
                     .help(format!("did you mean `{near}`?"))
                     .fix(format!("write `{near}`"), [Edit::new(function.span, near)]),
-                None => error.help(format!("the functions are {}", NAMES.join(" "))),
+                None => error.help(format!("the functions are {} {}", NAMES.join(" "), RUNNING.join(" "))),
             });
         }
         if name == "sum" {
@@ -66,6 +71,7 @@ impl Scope<'_, '_> {
             "norm" => self.norm(&call),
             "dist" => self.dist(&call),
             "atan2" => self.atan2(&call),
+            "mod" => self.modulo(&call),
             "all" | "any" => self.quantified(&call),
             "rises" => self.rises(&call),
             "file" => self.file(&call),
@@ -200,6 +206,19 @@ impl Scope<'_, '_> {
         self.unified(Pair { left: (&y, y_span), right: (&x, x_span) }, "E02", "compare")?;
         let angle = real::call(Function::Atan2, vec![y.expression, x.expression]);
         Some(Meaning::Real(Real::computed(angle, Measure::Known(ANGLE), None)))
+    }
+
+    /// `a - b floor(a / b)`
+    fn modulo(&self, call: &Call<'_>) -> Option<Meaning> {
+        let [(left, left_span), (right, right_span)] = self.count(call)?;
+        let (a, b) = (self.real(&left, left_span), self.real(&right, right_span));
+        let (a, b) = (a?, b?);
+        let measure = self.unified(Pair { left: (&a, left_span), right: (&b, right_span) }, "E02", "`mod`")?;
+        let unit = preferred(&a, &b);
+        let ratio = real::combine(Operator::Divide, a.expression.clone(), b.expression.clone());
+        let whole = real::combine(Operator::Multiply, b.expression, real::call(Function::Floor, vec![ratio]));
+        let rest = real::combine(Operator::Subtract, a.expression, whole);
+        self.finite(Real::computed(rest, measure, unit), call.span).map(Meaning::Real)
     }
 
     fn quantified(&self, call: &Call<'_>) -> Option<Meaning> {

@@ -4,10 +4,10 @@ use std::rc::Rc;
 
 use fmi2::units::{BaseUnit, Dimension};
 
+use super::condition::{Condition, boolean_size};
 use super::scale::Scale;
-use crate::scenario::{BooleanExpression, Limit, Margin, MarginUnit, Port, RealExpression, TickWindow};
-use crate::source::{FileRef, Span};
-use crate::syntax::TemporalWord;
+use crate::scenario::{BooleanExpression, MarginUnit, Port, RealExpression};
+use crate::source::FileRef;
 
 /// The meaning of an expression. A part without meaning was reported and is `None`.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,53 +103,6 @@ pub(super) struct Group {
     pub members: Vec<(String, usize)>,
 }
 
-/// A condition or claim before negations are moved inward.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Condition {
-    /// Without a margin.
-    Plain(BooleanExpression),
-    /// A comparison of reals.
-    Bound(Bound),
-    /// `not a`
-    Not(Box<Condition>),
-    /// `a and b`
-    And(Vec<Condition>),
-    /// `a or b`
-    Or(Vec<Condition>),
-    /// `always`, `eventually`, `hold for`.
-    Temporal(Temporal),
-}
-
-/// A comparison of reals with what a report shows of it.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Bound {
-    /// The distance from the limit.
-    pub margin: Margin,
-    /// What the margin measures.
-    pub measure: Measure,
-    /// The unit in which the margin is shown.
-    pub unit: MarginUnit,
-    /// The limit, if one side is constant.
-    pub limit: Option<Limit>,
-    /// Its place.
-    pub span: Span,
-    /// The same comparison between plain numbers, as advice.
-    pub scaled: Option<String>,
-}
-
-/// A temporal word with its window.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Temporal {
-    /// The keyword.
-    pub word: TemporalWord,
-    /// Its place.
-    pub span: Span,
-    /// Its window.
-    pub window: TickWindow,
-    /// What must hold in the window.
-    pub body: Box<Condition>,
-}
-
 impl Measure {
     /// The measure of a plain number.
     pub const PLAIN: Self = Self::Known(Dimension::NONE);
@@ -211,7 +164,8 @@ impl Real {
     }
 }
 
-fn real_size(value: &RealExpression) -> usize {
+/// How many parts it has.
+pub(super) fn real_size(value: &RealExpression) -> usize {
     use RealExpression as E;
     1 + match value {
         E::Constant(_) | E::Signal(_) | E::Time | E::Shared(_) | E::Curve(_) => 0,
@@ -220,66 +174,9 @@ fn real_size(value: &RealExpression) -> usize {
             real_size(left) + real_size(right)
         }
         E::Call(_, arguments) => arguments.iter().map(real_size).sum(),
+        E::Running(running) => real_size(&running.of),
+        E::Truth(condition) => boolean_size(condition),
     }
-}
-
-fn boolean_size(condition: &BooleanExpression) -> usize {
-    use BooleanExpression as B;
-    1 + match condition {
-        B::Constant(_) | B::Signal(_) | B::Same(..) | B::Rises(_) => 0,
-        B::Margin(margin) => real_size(&margin.value),
-        B::Not(of) => boolean_size(of),
-        B::And(parts) | B::Or(parts) => parts.iter().map(boolean_size).sum(),
-    }
-}
-
-impl Condition {
-    fn size(&self) -> usize {
-        1 + match self {
-            Self::Plain(condition) => boolean_size(condition),
-            Self::Bound(bound) => real_size(&bound.margin.value),
-            Self::Not(of) => of.size(),
-            Self::And(parts) | Self::Or(parts) => parts.iter().map(Self::size).sum(),
-            Self::Temporal(claim) => claim.body.size(),
-        }
-    }
-
-    /// The condition as one that a run evaluates at a point in time.
-    ///
-    /// # Errors
-    /// The place of a temporal word.
-    pub fn boolean(&self) -> Result<BooleanExpression, Span> {
-        let all = |parts: &[Self]| parts.iter().map(Self::boolean).collect::<Result<Vec<_>, _>>();
-        Ok(match self {
-            Self::Plain(condition) => condition.clone(),
-            Self::Bound(bound) => match bound.margin.value {
-                RealExpression::Constant(margin) => {
-                    BooleanExpression::Constant(if bound.margin.strict { margin > 0.0 } else { margin >= 0.0 })
-                }
-                _ => BooleanExpression::Margin(bound.margin.clone()),
-            },
-            Self::Not(inner) => match inner.boolean()? {
-                BooleanExpression::Constant(value) => BooleanExpression::Constant(!value),
-                inner => BooleanExpression::Not(Box::new(inner)),
-            },
-            Self::And(parts) => joined(all(parts)?, false, BooleanExpression::And),
-            Self::Or(parts) => joined(all(parts)?, true, BooleanExpression::Or),
-            Self::Temporal(temporal) => return Err(temporal.span),
-        })
-    }
-}
-
-/// `and` or `or`; one part that decides alone leaves nothing to compute, a part that never does is dropped.
-fn joined(
-    mut parts: Vec<BooleanExpression>,
-    decides: bool,
-    join: fn(Vec<BooleanExpression>) -> BooleanExpression,
-) -> BooleanExpression {
-    if parts.contains(&BooleanExpression::Constant(decides)) {
-        return BooleanExpression::Constant(decides);
-    }
-    parts.retain(|part| *part != BooleanExpression::Constant(!decides));
-    if parts.is_empty() { BooleanExpression::Constant(!decides) } else { join(parts) }
 }
 
 impl Meaning {

@@ -16,10 +16,10 @@
 //! | E06 | `=>` in a circle |
 //! | E07 | `=>` between periods of which neither divides the other; `=>` without a unit on its left |
 //! | E08 | a time off the grid of `step` |
-//! | E09 | a claim that looks past the end of the run |
+//! | E09 | a claim that looks past the end of the run, or asks for a running value before its first time |
 //! | E10 | margins of different dimensions in one claim |
 //! | E11 | not a unit of measure, or a name of the script too |
-//! | E12 | a temporal word over `and` or `or` without parentheses |
+//! | E12 | a temporal word over `and`, `or`, `implies` or `until` without parentheses |
 //! | E20 | a part of the language that this version does not know yet |
 //! | E21 | types do not agree |
 //! | E22 | shapes do not agree: members, counts, indices |
@@ -30,7 +30,7 @@
 //! | E27 | a value that must be known before the run |
 //! | E28 | names defined by each other |
 //! | E29 | a comparison that cannot be read: `==` of reals without `±`, a chain that changes direction |
-//! | E30 | a temporal word outside claims |
+//! | E30 | a temporal word outside claims, `finally` inside of another word, a running value for a unit |
 //! | E31 | a function with the wrong arguments |
 //! | E32 | a temperature scale with an offset in a sum, product or tolerance; a difference instead of a point on a scale |
 //! | E33 | a unit of measure with two meanings, `in` or `as` where they do not fit |
@@ -63,8 +63,10 @@ mod assign;
 mod claim;
 mod column;
 mod comparison;
+mod condition;
 mod curve;
 mod elaborate;
+
 mod event;
 mod experiment;
 mod expression;
@@ -85,6 +87,7 @@ mod preset;
 mod range;
 mod reads;
 mod real;
+mod running;
 mod scale;
 mod scope;
 mod script;

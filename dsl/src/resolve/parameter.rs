@@ -13,7 +13,8 @@ use crate::source::Span;
 use crate::spelling;
 use crate::syntax::{Binding, Expression};
 
-use super::meaning::{Condition, Measure};
+use super::condition::Condition;
+use super::meaning::Measure;
 use crate::nearest::nearest;
 
 impl<'a> Scope<'_, 'a> {

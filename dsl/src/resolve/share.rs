@@ -7,7 +7,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::meaning::Meaning;
-use crate::scenario::{Action, BooleanExpression, ColumnSource, Drive, Formula, RealExpression as E, Scenario};
+use crate::scenario::{
+    Action, BooleanExpression, ColumnSource, Drive, Formula, Gated, RealExpression as E, Running, Scenario, Until,
+};
 
 /// An expression apart from its parts: its kind and what else distinguishes it from others.
 type Head = (u8, u64, u64);
@@ -23,6 +25,10 @@ struct Numbers {
     shared: Vec<E>,
     /// The expressions that get a slot.
     is_shared: BTreeSet<usize>,
+    /// The running values, which have one memory each and so get a slot in any case.
+    running: BTreeSet<usize>,
+    /// The conditions by their text, which is equal where they are.
+    conditions: BTreeMap<String, u64>,
 }
 
 /// Moves the values of these meanings that are used more than once to [`Scenario::shared`].
@@ -30,15 +36,13 @@ pub(super) fn share<'m>(scenario: &mut Scenario, meanings: impl Iterator<Item = 
     let mut numbers = Numbers::default();
     let mut named = BTreeSet::new();
     meanings.for_each(|meaning| numbers.name(meaning, &mut named));
-    if named.is_empty() {
-        return;
-    }
     let mut uses = BTreeMap::new();
     expressions(scenario, &mut |expression| {
         let number = numbers.number(expression);
         numbers.count(number, &named, &mut uses);
     });
     numbers.is_shared = uses.into_iter().filter(|&(_, count)| count > 1).map(|(number, _)| number).collect();
+    numbers.is_shared.extend(&numbers.running);
     expressions(scenario, &mut |expression| {
         numbers.number(expression);
     });
@@ -59,13 +63,16 @@ impl Numbers {
 
     /// The number of an expression; parts that get a slot, and the expression itself, are replaced.
     fn number(&mut self, expression: &mut E) -> usize {
-        let head = head(expression);
+        let head = self.head(expression);
         let mut parts = Vec::new();
         for_parts(expression, &mut |part| parts.push(self.number(part)));
         let new = self.parts.len();
         let number = *self.by_node.entry((head, parts.clone())).or_insert(new);
         if number == new {
             self.parts.push(parts);
+        }
+        if matches!(expression, E::Running(_)) {
+            self.running.insert(number);
         }
         if self.is_shared.contains(&number) {
             let slot = *self.slots.entry(number).or_insert(self.shared.len());
@@ -75,6 +82,30 @@ impl Numbers {
             }
         }
         number
+    }
+
+    fn head(&mut self, expression: &E) -> Head {
+        match *expression {
+            E::Constant(value) => (0, value.to_bits(), 0),
+            E::Signal(port) => (1, port.instance as u64, port.variable as u64),
+            E::Time => (2, 0, 0),
+            E::Affine { factor, offset, .. } => (3, factor.to_bits(), offset.to_bits()),
+            E::InverseAffine { factor, offset, .. } => (4, factor.to_bits(), offset.to_bits()),
+            E::Negate(_) => (5, 0, 0),
+            E::Add(..) => (6, 0, 0),
+            E::Subtract(..) => (7, 0, 0),
+            E::Multiply(..) => (8, 0, 0),
+            E::Divide(..) => (9, 0, 0),
+            E::Call(function, _) => (10, function as u64, 0),
+            E::Running(Running { kind, from_tick, .. }) => (11, kind as u64, from_tick),
+            E::Truth(ref condition) => {
+                let new = self.conditions.len() as u64;
+                (12, *self.conditions.entry(format!("{condition:?}")).or_insert(new), 0)
+            }
+            // The resolver makes one for each column.
+            E::Curve(ref curve) => (13, Arc::as_ptr(curve) as usize as u64, 0),
+            E::Shared(_) => unreachable!("each expression is visited once"),
+        }
     }
 
     /// Counts the places in which named expressions are used; what is used inside of one counts once.
@@ -99,25 +130,6 @@ fn is_computed(expression: &E) -> bool {
     }
 }
 
-fn head(expression: &E) -> Head {
-    match *expression {
-        E::Constant(value) => (0, value.to_bits(), 0),
-        E::Signal(port) => (1, port.instance as u64, port.variable as u64),
-        E::Time => (2, 0, 0),
-        E::Affine { factor, offset, .. } => (3, factor.to_bits(), offset.to_bits()),
-        E::InverseAffine { factor, offset, .. } => (4, factor.to_bits(), offset.to_bits()),
-        E::Negate(_) => (5, 0, 0),
-        E::Add(..) => (6, 0, 0),
-        E::Subtract(..) => (7, 0, 0),
-        E::Multiply(..) => (8, 0, 0),
-        E::Divide(..) => (9, 0, 0),
-        E::Call(function, _) => (10, function as u64, 0),
-        // The resolver makes one for each column.
-        E::Curve(ref curve) => (11, Arc::as_ptr(curve) as usize as u64, 0),
-        E::Shared(_) => unreachable!("each expression is visited once"),
-    }
-}
-
 fn for_parts(expression: &mut E, visit: &mut dyn FnMut(&mut E)) {
     match expression {
         E::Constant(_) | E::Signal(_) | E::Time | E::Curve(_) | E::Shared(_) => {}
@@ -127,6 +139,8 @@ fn for_parts(expression: &mut E, visit: &mut dyn FnMut(&mut E)) {
             visit(right);
         }
         E::Call(_, arguments) => arguments.iter_mut().for_each(visit),
+        E::Running(running) => visit(&mut running.of),
+        E::Truth(condition) => of_condition(condition, visit),
     }
 }
 
@@ -169,6 +183,10 @@ fn of_formula(formula: &mut Formula, visit: &mut dyn FnMut(&mut E)) {
         Formula::Margin(margin) => visit(&mut margin.value),
         Formula::Condition(condition) => of_condition(condition, visit),
         Formula::And(parts) | Formula::Or(parts) => parts.iter_mut().for_each(|part| of_formula(part, visit)),
-        Formula::Always(_, body) | Formula::Eventually(_, body) => of_formula(body, visit),
+        Formula::Always(_, body) | Formula::Eventually(_, body) | Formula::Finally(body) => of_formula(body, visit),
+        Formula::Gated(Gated { gate, body, .. }) | Formula::Until(Until { gate, body, .. }) => {
+            of_formula(gate, visit);
+            of_formula(body, visit);
+        }
     }
 }

@@ -4,8 +4,9 @@ use std::rc::Rc;
 
 use fmi2::description::{Causality, Kind};
 
+use super::condition::Condition;
 use super::findings::Remedy;
-use super::meaning::{Condition, Group, Meaning, Text};
+use super::meaning::{Group, Meaning, Text};
 use super::path::Root;
 use super::scope::Scope;
 use super::script::Declaration;

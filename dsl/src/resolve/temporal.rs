@@ -1,7 +1,7 @@
 //! Claims about windows of time.
 
+use super::condition::{Condition, Temporal, Until};
 use super::grid::Least;
-use super::meaning::{Condition, Temporal};
 use super::scope::Scope;
 use crate::diagnostic::{Diagnostic, Edit};
 use crate::scenario::TickWindow;
@@ -25,7 +25,40 @@ impl Scope<'_, '_> {
         if let Some(joint) = loose_joint(body) {
             return self.refuse(self.wants_parentheses(word, word_span, body, joint));
         }
-        Some(Temporal { word, span: word_span, window: window?, body: Box::new(body_meaning?) })
+        let body_meaning = body_meaning?;
+        if word == TemporalWord::Finally {
+            if let Err(inner) = body_meaning.boolean() {
+                let message = "`finally` asks for the last sample, where no window of time is left";
+                let error = Diagnostic::error("E30", inner, message).label(word_span, "at the last sample");
+                return self.refuse(error.help("a claim about the end without `finally`: `eventually always …`"));
+            }
+        } else {
+            self.refuse_finally(&body_meaning)?;
+        }
+        let head = Span { end: body.span.start, ..word_span };
+        Some(Temporal { word, span: word_span, head, window: window?, body: Box::new(body_meaning) })
+    }
+
+    /// `φ until g` with its window.
+    pub fn until(&self, body: &Expression, window: Option<&TimeSpan>, gate: &Expression, span: Span) -> Option<Until> {
+        let (gate_span, head) = (gate.span, Span { start: body.span.end, end: gate.span.start, ..span });
+        let (body, gate) = (self.condition(body), self.condition(gate));
+        let window = match window {
+            Some(window) => self.window(window),
+            None => Some(TickWindow { from: 0, to: None }),
+        };
+        let (body, gate) = (body?, gate?);
+        self.refuse_finally(&body)?;
+        Some(Until { span, head, gate_span, window: window?, body: Box::new(body), gate: Box::new(gate) })
+    }
+
+    /// Refuses `finally` in what is judged at several ticks, other than in a gate.
+    fn refuse_finally(&self, body: &Condition) -> Option<()> {
+        let Some(span) = body.ungated_finally() else { return Some(()) };
+        let message = "`finally` stands at the top of a claim or in a gate";
+        self.refuse(
+            Diagnostic::error("E30", span, message).help("make an `assert` of its own: `assert end: finally …`"),
+        )
     }
 
     fn window(&self, window: &TimeSpan) -> Option<TickWindow> {
@@ -49,23 +82,20 @@ impl Scope<'_, '_> {
         let name = match word {
             TemporalWord::Always => "always",
             TemporalWord::Eventually => "eventually",
+            TemporalWord::Finally => "finally",
             TemporalWord::Hold => "hold",
         };
         let head_span = Span { end: body.span.start, ..span };
         let (head, inside) = (self.text(head_span), self.text(body.span));
-        let parts = match &body.kind {
-            ExpressionKind::And(parts) | ExpressionKind::Or(parts) => parts.as_slice(),
-            _ => &[],
+        let first = match &body.kind {
+            ExpressionKind::And(parts) | ExpressionKind::Or(parts) => parts.first(),
+            ExpressionKind::Implies(first, _) | ExpressionKind::Until { left: first, .. } => Some(&**first),
+            _ => None,
         };
-        let apart: Vec<_> = parts.iter().map(|part| format!("({head} {})", self.text(part.span))).collect();
-        let apart = match apart.as_slice() {
-            [first, ..] => {
-                let rest =
-                    parts[1..].iter().map(|part| self.text(part.span)).collect::<Vec<_>>().join(&format!(" {joint} "));
-                format!(", or `{first} {joint} {rest}`")
-            }
-            [] => String::new(),
-        };
+        let apart = first.map_or_else(String::new, |first| {
+            let rest = Span { start: first.span.end, ..body.span };
+            format!(", or `({head} {}) {}`", self.text(first.span), self.text(rest))
+        });
         let message = format!("`{name}` reaches to the end of the line, over the `{joint}`");
         let error = Diagnostic::error("E12", span, message).label(body.span, "all of this");
         let together = [Edit::before(body.span, "("), Edit::after(body.span, ")")];
@@ -106,13 +136,33 @@ fn in_unit_of(near: &Expression, far: &Expression) -> Expression {
 }
 
 impl Condition {
+    /// The place of a `finally` that is in no gate.
+    fn ungated_finally(&self) -> Option<Span> {
+        match self {
+            Self::Plain(_) | Self::Bound(_) => None,
+            Self::Not(of) => of.ungated_finally(),
+            Self::And(parts) | Self::Or(parts) => parts.iter().find_map(Self::ungated_finally),
+            Self::Temporal(claim) if claim.word == TemporalWord::Finally => Some(claim.span),
+            Self::Temporal(claim) => claim.body.ungated_finally(),
+            Self::Implies { then, .. } => then.ungated_finally(),
+            Self::Until(until) => until.body.ungated_finally(),
+        }
+    }
+
     /// The windows, from the outside in, that reach furthest ahead: their ticks and the keyword of each.
     pub fn reach(&self) -> Vec<(u64, &'static str)> {
         match self {
             Self::Plain(_) | Self::Bound(_) => Vec::new(),
             Self::Not(of) => of.reach(),
-            Self::And(parts) | Self::Or(parts) => {
-                parts.iter().map(Self::reach).max_by_key(|windows| total(windows)).unwrap_or_default()
+            Self::And(parts) | Self::Or(parts) => furthest(parts.iter().map(Self::reach)),
+            Self::Implies { gate, then, .. } => furthest([gate.reach(), then.reach()]),
+            Self::Until(Until { window, body, gate, .. }) => {
+                let own = match *window {
+                    TickWindow { to: Some(to), .. } => Some((to, "until")),
+                    TickWindow { from: 0, to: None } => None,
+                    TickWindow { from, to: None } => Some((from, "after")),
+                };
+                own.into_iter().chain(furthest([body.reach(), gate.reach()])).collect()
             }
             Self::Temporal(claim) => {
                 let own = match (claim.window, claim.word) {
@@ -125,6 +175,11 @@ impl Condition {
             }
         }
     }
+}
+
+/// The windows that reach furthest.
+fn furthest(all: impl IntoIterator<Item = Vec<(u64, &'static str)>>) -> Vec<(u64, &'static str)> {
+    all.into_iter().max_by_key(|windows| total(windows)).unwrap_or_default()
 }
 
 /// The ticks of all windows together.

@@ -1,6 +1,6 @@
 //! Which ports a value is computed from.
 
-use super::{BooleanExpression, Condition, Drive, Formula, Operand, Port, RealExpression, Scenario};
+use super::{BooleanExpression, Condition, Drive, Formula, Gated, Operand, Port, RealExpression, Scenario, Until};
 
 /// What expressions name by slot.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +45,11 @@ impl Formula {
             Self::Margin(margin) => margin.value.reads(slots, visit),
             Self::Condition(condition) => condition.reads(slots, visit),
             Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.reads(slots, visit)),
-            Self::Always(_, body) | Self::Eventually(_, body) => body.reads(slots, visit),
+            Self::Always(_, body) | Self::Eventually(_, body) | Self::Finally(body) => body.reads(slots, visit),
+            Self::Gated(Gated { gate, body, .. }) | Self::Until(Until { gate, body, .. }) => {
+                gate.reads(slots, visit);
+                body.reads(slots, visit);
+            }
         }
     }
 }
@@ -94,6 +98,8 @@ impl RealExpression {
                 right.reads(slots, visit);
             }
             Self::Shared(slot) => slots.shared[*slot].reads(slots, visit),
+            Self::Running(running) => running.of.reads(slots, visit),
+            Self::Truth(condition) => condition.reads(slots, visit),
             Self::Call(_, arguments) => arguments.iter().for_each(|argument| argument.reads(slots, visit)),
         }
     }

@@ -33,7 +33,7 @@ fn shape(expression: &Expression) -> String {
         ExpressionKind::Text(text) => format!("{text:?}"),
         ExpressionKind::Boolean(value) => value.to_string(),
         ExpressionKind::Path(path) => path.root.text.clone(),
-        ExpressionKind::List { elements, unit } => {
+        ExpressionKind::List { elements, unit, .. } => {
             format!("[{}]{}", all(elements, " "), unit.as_ref().map_or("", |unit| &unit.text))
         }
         ExpressionKind::Call { function, arguments } => format!("{}({})", function.text, all(arguments, " ")),
@@ -68,6 +68,7 @@ fn shape(expression: &Expression) -> String {
             let word = match word {
                 TemporalWord::Always => "always",
                 TemporalWord::Eventually => "eventually",
+                TemporalWord::Finally => "finally",
                 TemporalWord::Hold => "hold",
             };
             format!("({word}{} {})", window(span.as_ref()), shape(body))

@@ -6,5 +6,6 @@ pub mod claims;
 pub mod columns;
 pub mod expression;
 pub mod graph;
+pub mod running;
 pub mod values;
 pub mod wiring;

@@ -22,6 +22,7 @@ pub use slot_table::{InstancePorts, Ports, VariableRange, VariableSlot};
 
 use crate::claims::Claims;
 use crate::expression::Program;
+use crate::running::RunningValues;
 use crate::values::{Slot, Values, start_value};
 use dsl::scenario::{Port, Scenario};
 use fmi2::description::ModelDescription;
@@ -61,6 +62,8 @@ pub struct Plan {
     pub rises: Vec<Program>,
     /// What several connections, conditions and claims use.
     pub shared: Vec<Program>,
+    /// Those of them that sum up samples.
+    pub running: RunningValues,
     /// For each wave, those of them that its `=>` connections use.
     pub shared_of_wave: Vec<Vec<usize>>,
     /// The claims.
@@ -147,6 +150,7 @@ impl Plan {
             limits,
             initialization,
             rises,
+            running: RunningValues::new(&scenario.shared),
             shared,
             shared_of_wave,
             inputs,

@@ -20,19 +20,23 @@ pub enum Verdict {
     /// The run ended before it was decided.
     #[serde(rename = "unjudged")]
     Unjudged = 3,
+    /// It holds, but a gate of it never opened, or an `until` ended at once.
+    #[serde(rename = "untested")]
+    Untested = 4,
 }
 
 impl Verdict {
     /// The verdict with this number, or `None` if no verdict has it.
     #[must_use]
     pub fn from_number(number: u8) -> Option<Self> {
-        [Self::Undecided, Self::Holds, Self::Fails, Self::Unjudged].into_iter().find(|&verdict| verdict as u8 == number)
+        let all = [Self::Undecided, Self::Holds, Self::Fails, Self::Unjudged, Self::Untested];
+        all.into_iter().find(|&verdict| verdict as u8 == number)
     }
 
     /// Whether the claim holds or fails.
     #[must_use]
     pub fn is_decided(self) -> bool {
-        matches!(self, Self::Holds | Self::Fails)
+        matches!(self, Self::Holds | Self::Fails | Self::Untested)
     }
 }
 
@@ -45,11 +49,17 @@ pub struct Standing {
     pub margin: f64,
     /// The tick of the sample that the margin comes from.
     pub worst_tick: u64,
+    /// The tick of the first sample that fails.
+    pub first_tick: u64,
+    /// The index in [`ClaimInfo::parts`] of the part that the margin comes from; of an untested claim that in
+    /// [`ClaimInfo::gates`] of what did not happen.
+    pub part: u32,
 }
 
 impl Standing {
     /// A claim of which no sample is known.
-    pub const UNKNOWN: Self = Self { verdict: Verdict::Undecided, margin: f64::NAN, worst_tick: 0 };
+    pub const UNKNOWN: Self =
+        Self { verdict: Verdict::Undecided, margin: f64::NAN, worst_tick: 0, first_tick: 0, part: 0 };
 }
 
 impl PartialEq for Standing {
@@ -72,6 +82,21 @@ pub struct ClaimInfo {
     pub unit: Option<MarginUnit>,
     /// For a claim about one comparison with a constant: its limit.
     pub limit: Option<Limit>,
+    /// Its comparisons and conditions.
+    pub parts: Vec<ClaimPart>,
+    /// For each gate the sentence that says that it never opened.
+    pub gates: Vec<String>,
+}
+
+/// A comparison or condition of a claim.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ClaimPart {
+    /// As written; empty where it has no text of its own.
+    pub text: String,
+    /// The temporal words around it with their windows, as written.
+    pub window: String,
+    /// The signals that it reads.
+    pub signals: Vec<String>,
 }
 
 /// The unit of a margin: a difference, so without offset.
@@ -130,6 +155,10 @@ pub struct JudgedClaim {
     pub limit: Option<f64>,
     /// What was seen at the worst time.
     pub seen: Option<f64>,
+    /// Of a failed claim: which part failed, in which window, when first and when worst, by which signals.
+    pub because: Option<String>,
+    /// Of an untested claim: what did not happen.
+    pub untested: Option<String>,
 }
 
 /// The number of claims with each verdict.
@@ -141,6 +170,8 @@ pub struct Count {
     pub failed: usize,
     /// Claims that could not be decided.
     pub unjudged: usize,
+    /// Claims that hold and were not tested.
+    pub untested: usize,
 }
 
 impl VerdictFile {
@@ -159,6 +190,7 @@ impl VerdictFile {
                 Verdict::Holds => count.ok += 1,
                 Verdict::Fails => count.failed += 1,
                 Verdict::Undecided | Verdict::Unjudged => count.unjudged += 1,
+                Verdict::Untested => count.untested += 1,
             }
         }
         count
@@ -170,6 +202,7 @@ impl JudgedClaim {
     #[must_use]
     pub fn new(claim: &ClaimInfo, standing: &Standing, step_ns: u64) -> Self {
         let judged = standing.verdict.is_decided();
+        let part = usize::try_from(standing.part).unwrap_or(usize::MAX);
         let factor = claim.unit.as_ref().map_or(1.0, |unit| unit.factor);
         // Adding zero removes the sign of a negative zero; the verdict shows whether zero is enough.
         let margin = (judged && standing.margin.is_finite()).then_some(standing.margin / factor + 0.0);
@@ -189,8 +222,29 @@ impl JudgedClaim {
             line: claim.line,
             limit,
             seen,
+            because: (standing.verdict == Verdict::Fails).then(|| because(claim, standing, step_ns)).flatten(),
+            untested: claim.gates.get(part).filter(|_| standing.verdict == Verdict::Untested).cloned(),
         }
     }
+}
+
+/// Which part of a failed claim failed, in which window, when first and when worst, by which signals.
+fn because(claim: &ClaimInfo, standing: &Standing, step_ns: u64) -> Option<String> {
+    let part = claim.parts.get(usize::try_from(standing.part).ok()?)?;
+    let mut text = if part.text.is_empty() { part.signals.join(", ") } else { format!("`{}`", part.text) };
+    if !part.window.is_empty() {
+        text += &format!(" in `{}`", part.window);
+    }
+    let [first, worst] = [standing.first_tick, standing.worst_tick].map(|tick| seconds(tick, step_ns));
+    text += &if first < worst {
+        format!(" failed first at {first} s, worst at {worst} s")
+    } else {
+        format!(" failed at {worst} s")
+    };
+    if !part.text.is_empty() && !part.signals.is_empty() {
+        text += &format!(", by {}", part.signals.join(", "));
+    }
+    Some(text)
 }
 
 #[cfg(test)]
@@ -210,11 +264,13 @@ pub(crate) mod tests {
             line: 34,
             unit: unit.map(|(name, factor)| MarginUnit { name: name.to_owned(), factor }),
             limit: limit.map(|(value, upper)| Limit { value, upper }),
+            parts: Vec::new(),
+            gates: Vec::new(),
         }
     }
 
     pub(crate) fn standing(verdict: Verdict, margin: f64, worst_tick: u64) -> Standing {
-        Standing { verdict, margin, worst_tick }
+        Standing { verdict, margin, worst_tick, first_tick: worst_tick, part: 0 }
     }
 
     #[test]
@@ -254,7 +310,7 @@ pub(crate) mod tests {
             end: "`quad` terminated".to_owned(),
             claims: claims.iter().map(|(claim, standing)| JudgedClaim::new(claim, standing, 10_000_000)).collect(),
         };
-        assert_eq!(verdict.count(), Count { ok: 1, failed: 0, unjudged: 1 });
+        assert_eq!(verdict.count(), Count { ok: 1, unjudged: 1, ..Count::default() });
         insta::assert_snapshot!(verdict.json());
     }
 }

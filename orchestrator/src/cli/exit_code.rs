@@ -29,10 +29,12 @@ const START_WORKERS: Option<StartWorkers> = Some(crate::bus::start_isolated);
 #[cfg(not(feature = "bus"))]
 const START_WORKERS: Option<StartWorkers> = None;
 
-/// Carries out a prepared run, has its outcome printed, and returns the exit code.
+/// Carries out a prepared run, has its outcome printed, and returns the exit code; `strict` if untested claims count as
+/// failed.
 pub(super) fn reached(
     ready: Result<ReadyRun, Refusal>,
     style: Style,
+    strict: bool,
     print: impl FnOnce(&RunOutcome) -> Result<(), TraceError>,
 ) -> u8 {
     let ready = match ready {
@@ -44,7 +46,7 @@ pub(super) fn reached(
     };
     let code = carry_out(ready, style, START_WORKERS).and_then(|outcome| {
         print(&outcome).map_err(SuperviseError::Trace)?;
-        Ok(of(outcome.ended.interrupted, outcome.ended.failure.is_some(), outcome.verdict.count()))
+        Ok(of(outcome.ended.interrupted, outcome.ended.failure.is_some(), outcome.verdict.count(), strict))
     });
     code.unwrap_or_else(|error| {
         report::error(&error, help(&error));
@@ -69,13 +71,13 @@ pub(super) fn help(error: &SuperviseError) -> Option<&'static str> {
 }
 
 /// The code of a run that was started; where several fit, interrupted comes first, then broken, unjudged, failed.
-fn of(interrupted: bool, broken: bool, claims: Count) -> u8 {
-    let lost = claims.failed + claims.unjudged;
+fn of(interrupted: bool, broken: bool, claims: Count, strict: bool) -> u8 {
+    let lost = claims.failed + claims.unjudged + if strict { claims.untested } else { 0 };
     if interrupted {
         INTERRUPTED
     } else if broken {
         BROKEN
-    } else if lost > 0 && claims.ok + claims.failed == 0 {
+    } else if lost > 0 && claims.ok + claims.failed + claims.untested == 0 {
         UNJUDGED
     } else if lost > 0 {
         FAILED
@@ -89,17 +91,25 @@ mod tests {
     use super::*;
 
     fn count(ok: usize, failed: usize, unjudged: usize) -> Count {
-        Count { ok, failed, unjudged }
+        Count { ok, failed, unjudged, untested: 0 }
     }
 
     #[test]
     fn claims_decide_when_nothing_else_happened() {
-        assert_eq!(of(false, false, count(0, 0, 0)), OK);
-        assert_eq!(of(false, false, count(2, 0, 0)), OK);
-        assert_eq!(of(false, false, count(2, 1, 0)), FAILED);
-        assert_eq!(of(false, false, count(2, 0, 1)), FAILED);
-        assert_eq!(of(false, false, count(0, 0, 2)), UNJUDGED);
-        assert_eq!(of(false, false, count(0, 1, 2)), FAILED);
+        assert_eq!(of(false, false, count(0, 0, 0), false), OK);
+        assert_eq!(of(false, false, count(2, 0, 0), false), OK);
+        assert_eq!(of(false, false, count(2, 1, 0), false), FAILED);
+        assert_eq!(of(false, false, count(2, 0, 1), false), FAILED);
+        assert_eq!(of(false, false, count(0, 0, 2), false), UNJUDGED);
+        assert_eq!(of(false, false, count(0, 1, 2), false), FAILED);
+    }
+
+    #[test]
+    fn an_untested_claim_fails_a_strict_run_only() {
+        let untested = Count { ok: 1, untested: 1, ..Count::default() };
+        assert_eq!((of(false, false, untested, false), of(false, false, untested, true)), (OK, FAILED));
+        let alone = Count { untested: 1, ..Count::default() };
+        assert_eq!((of(false, false, alone, false), of(false, false, alone, true)), (OK, FAILED));
     }
 
     #[test]
@@ -113,8 +123,8 @@ mod tests {
 
     #[test]
     fn an_interruption_comes_before_a_break_and_a_break_before_claims() {
-        assert_eq!(of(true, true, count(0, 1, 1)), INTERRUPTED);
-        assert_eq!(of(false, true, count(0, 0, 2)), BROKEN);
-        assert_eq!(of(false, true, count(0, 1, 0)), BROKEN);
+        assert_eq!(of(true, true, count(0, 1, 1), false), INTERRUPTED);
+        assert_eq!(of(false, true, count(0, 0, 2), false), BROKEN);
+        assert_eq!(of(false, true, count(0, 1, 0), false), BROKEN);
     }
 }

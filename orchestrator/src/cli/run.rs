@@ -38,7 +38,7 @@ pub struct Run {
     /// Never build a unit
     #[arg(long)]
     no_build: bool,
-    /// Warnings about the script count as errors: the run does not begin
+    /// Warnings about the script count as errors, so that the run does not begin, and untested claims as failed
     #[arg(long)]
     strict: bool,
     /// Record nothing, whatever the script says
@@ -99,7 +99,7 @@ impl Run {
     /// Runs the command and returns its exit code.
     #[must_use]
     pub fn run(&self) -> u8 {
-        exit_code::reached(self.prepare(), Style::fitting(self.progress.is_some()), |outcome| {
+        exit_code::reached(self.prepare(), Style::fitting(self.progress.is_some()), self.strict, |outcome| {
             self.print(outcome);
             Ok(())
         })

@@ -79,7 +79,9 @@ impl Simulate {
     /// Runs the command and returns its exit code.
     #[must_use]
     pub fn run(&self) -> u8 {
-        exit_code::reached(self.prepare().map(ReadyRun::from), Style::fitting(false), |outcome| self.print(outcome))
+        exit_code::reached(self.prepare().map(ReadyRun::from), Style::fitting(false), false, |outcome| {
+            self.print(outcome)
+        })
     }
 
     fn prepare(&self) -> Result<PreparedRun, Refusal> {

@@ -72,8 +72,8 @@ impl Observer for BoardObserver<'_> {
     }
 
     fn claim(&mut self, claim: usize, standing: Standing) {
-        let Standing { verdict, margin, worst_tick } = standing;
-        self.board.set_claim(claim, &ClaimNote { verdict: verdict as u8, margin, worst_tick });
+        let Standing { verdict, margin, worst_tick, first_tick, part } = standing;
+        self.board.set_claim(claim, &ClaimNote { verdict: verdict as u8, margin, worst_tick, first_tick, part });
     }
 }
 

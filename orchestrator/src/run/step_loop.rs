@@ -97,8 +97,8 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     /// Claims take the sample of this tick.
     fn judge(&mut self, tick: u64, time_s: f64) {
         let Self { plan, state, stack, observer, .. } = self;
-        let State { visible, visible_shared, carried: CarriedState { held, rises, claims, .. }, .. } = state;
-        evaluate_shared(&plan.shared, 0..plan.shared.len(), (visible, time_s), stack, visible_shared);
+        let State { visible, visible_shared, carried: CarriedState { held, rises, claims, running, .. }, .. } = state;
+        plan.running.evaluate(&plan.shared, (visible, time_s, tick), stack, visible_shared, running);
         for (slot, condition) in plan.rises.iter().enumerate() {
             let holds = condition.holds(&Moment { outputs: visible, time_s, rises, shared: visible_shared }, stack);
             rises[slot] = holds && !std::mem::replace(&mut held[slot], holds);

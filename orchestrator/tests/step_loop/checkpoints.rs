@@ -4,7 +4,9 @@ use crate::fake::{
     Answer, Fake, P, Ran, Script, Step, U, V, Y, answering, counter, description, port, repeater, signal, unit,
 };
 use crate::{TIME, number};
-use dsl::scenario::{BooleanExpression, Formula, Margin, RealExpression, TickWindow};
+use dsl::scenario::{
+    BooleanExpression, Formula, Gated, Margin, RealExpression, Running, RunningKind, TickWindow, Until,
+};
 use orchestrator::run::message::Reason;
 use orchestrator::run::step_loop::Checkpoint;
 use unit::failure::Cause;
@@ -51,8 +53,14 @@ pub fn everything(ticks: u64) -> Script {
     script.scenario.conditions = vec![dsl::scenario::Condition { is: rises, held_ticks: 0 }];
     let risen = Formula::Condition(BooleanExpression::Rises(0));
     let unbounded = Formula::Eventually(TickWindow { from: 0, to: None }, Box::new(above(signal(4), 9.0)));
-    let script = script.always(within(4, above(signal(1), 3.0))).always(unbounded).always(within(3, risen));
-    let script = script.always(Formula::Or(vec![above(signal(0), 5.0), within(5, above(signal(2), 2.0))]));
+    let (kind, of) = (RunningKind::Average, Box::new(signal(2)));
+    script.scenario.shared = vec![RealExpression::Running(Running { kind, of, from_tick: 1, step_s: 0.1 })];
+    let (body, gate) = (Box::new(above(signal(0), 0.0)), Box::new(above(signal(1), 3.0)));
+    let until = Until { any: true, window: TickWindow { from: 1, to: Some(4) }, body, gate };
+    let script = script.always(Formula::Until(until)).always(unbounded).always(within(3, risen));
+    let average = within(5, above(RealExpression::Shared(0), 2.0));
+    let (gate, body) = (Box::new(above(signal(0), 5.0)), Box::new(average));
+    let script = script.always(Formula::Gated(Gated { any: true, gate, body }));
     script.record(&[(0, Y), (1, U), (1, Y), (2, Y), (3, U), (3, V), (3, Y), (4, U), (4, Y), (4, P)])
 }
 

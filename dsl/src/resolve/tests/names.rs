@@ -185,9 +185,11 @@ fn features_of_later_versions_are_refused_by_name() {
 while quad.landed { set quad.drag = 0.2 }
 stop when quad.landed
 at 3 s { fault quad.wind: freeze }
-assert gate: always (quad.landed implies quad.roll < 3 deg)
-assert till: quad.roll < 3 deg until quad.landed
-sweep { seed in 1..3 }";
+assert near: always quad.roll == ctrl.error / 1 m * 1 deg ± 1 deg within 20 ms
+record quad.* every 20 ms
+sweep { seed in 1..3 }
+curve(\"in.csv\", \"u\") -> quad.wind
+lead.body.state -> ctrl.state";
     let found = run_with(&flight(lines), &[]).resolved.diagnostics;
     let messages: Vec<_> = found.iter().map(|error| format!("{} {}", error.code, error.message)).collect();
     insta::assert_snapshot!(messages.join("\n"), @r#"
@@ -195,8 +197,9 @@ sweep { seed in 1..3 }";
     E20 `while` is not known to this version of lockstep yet
     E20 `stop when` is not known to this version of lockstep yet
     E20 `fault` is not known to this version of lockstep yet
-    E20 `implies` is not known to this version of lockstep yet
-    E20 `until` is not known to this version of lockstep yet
+    E20 `within` after `±` is not known to this version of lockstep yet
+    E20 `.*` is not known to this version of lockstep yet
+    E20 `record` with `every` is not known to this version of lockstep yet
     E20 `sweep` is not known to this version of lockstep yet
     "#);
 }

@@ -3,12 +3,16 @@
 //! Such an operator has one value for each tick, and the last sample can change all of them. So the values of its bounded
 //! parts are stored, in memory allocated before the first sample, and joined afterwards in one pass for each operator.
 
-use super::judged::{Decision, Join, Joined};
+use super::judged::{Decision, Join, Joined, Judged};
 use super::memory::{ClaimsMemory, Layout};
-use super::stream::{Sample, Stream, horizon, is_bounded};
+use super::stream::{GateTest, Sample, Stream, gated, horizon, is_bounded, reach_before, reach_of_body};
+use super::until::UntilMemory;
 use super::window::Window;
 use crate::expression::SlotOf;
-use dsl::scenario::{Formula, TickWindow};
+use dsl::scenario::{Formula, Gated, TickWindow, Until};
+
+/// Every tick of a run.
+pub(super) const ALL_TICKS: TickWindow = TickWindow { from: 0, to: None };
 
 /// A formula of which the values of its bounded parts are stored.
 #[derive(Debug)]
@@ -19,21 +23,92 @@ pub enum History {
     Junction(Join, Vec<History>),
     /// `always`, `eventually`, with the body's horizon.
     Temporal(Join, TickWindow, u64, Box<History>),
+    /// `implies`, with its horizon.
+    Gated(Box<GatedHistory>),
+    /// `until`, with its window and the horizon of its parts.
+    Until(TickWindow, Box<GatedHistory>),
+    /// `finally`, with the index of its value at the last sample.
+    Finally(Stream, usize),
+}
+
+/// The parts of `implies` or `until`.
+#[derive(Debug)]
+pub struct GatedHistory {
+    join: Join,
+    horizon: u64,
+    body: History,
+    gate: History,
+    test: GateTest,
+}
+
+impl GatedHistory {
+    fn new(
+        (join, body, gate): (Join, &Formula, &Formula),
+        (reach, window): (TickWindow, Option<TickWindow>),
+        layout: &mut Layout,
+        slot_of: &mut SlotOf<'_>,
+    ) -> Self {
+        let horizon = horizon(body).max(horizon(gate));
+        let reach_of = |of: fn(TickWindow, TickWindow) -> TickWindow| window.map_or(reach, |window| of(reach, window));
+        let gate = History::new(gate, reach_of(reach_of_body), layout, slot_of);
+        let body = History::new(body, reach_of(reach_before), layout, slot_of);
+        Self { join, horizon, body, gate, test: GateTest::new(reach, layout) }
+    }
+
+    fn values(&self, memory: &mut ClaimsMemory, last: u64, complete: bool) -> (Vec<Decision>, Vec<Decision>) {
+        let gate = self.gate.values(memory, last, complete);
+        let gate = gate.into_iter().map(|decision| decision.map(Judged::as_gate)).collect();
+        (self.body.values(memory, last, complete), gate)
+    }
+
+    fn implies(&self, memory: &mut ClaimsMemory, last: u64, complete: bool) -> Vec<Decision> {
+        let (body, gate) = self.values(memory, last, complete);
+        for (at, &gate) in (0..=last.saturating_sub(self.horizon)).zip(&gate) {
+            self.test.take(memory, self.join, at, gate);
+        }
+        body.into_iter().zip(gate).map(|parts| gated(self.join, parts)).collect()
+    }
+
+    fn until(&self, window: TickWindow, memory: &mut ClaimsMemory, last: u64, complete: bool) -> Vec<Decision> {
+        let (body, gate) = self.values(memory, last, complete);
+        let comes_at_once = |gate: Decision| window.from == 0 && gate.is_some_and(|gate| self.join.is_decided_by(gate));
+        for (at, &gate) in (0..=last.saturating_sub(self.horizon)).zip(&gate) {
+            if !comes_at_once(gate) {
+                self.test.opened(memory, at);
+            }
+        }
+        match window.to {
+            Some(to) => bounded_until(self.join, (window.from, to), &body, &gate),
+            None => unbounded_until(self.join, window.from, self.horizon, (&body, &gate), complete),
+        }
+    }
 }
 
 impl History {
-    /// Compiles the formula.
-    pub(super) fn new(formula: &Formula, layout: &mut Layout, slot_of: &mut SlotOf<'_>) -> Self {
+    /// Compiles the formula, whose values are asked for at the ticks of `reach`.
+    pub(super) fn new(formula: &Formula, reach: TickWindow, layout: &mut Layout, slot_of: &mut SlotOf<'_>) -> Self {
         if is_bounded(formula) {
-            return Self::Bounded(Stream::new(formula, layout, slot_of), layout.history(horizon(formula)));
+            let stream = Stream::new(formula, reach, layout, slot_of);
+            return Self::Bounded(stream, layout.history(horizon(formula)));
         }
         let join = Join::of(formula);
         match formula {
             Formula::And(parts) | Formula::Or(parts) => {
-                Self::Junction(join, parts.iter().map(|part| Self::new(part, layout, slot_of)).collect())
+                Self::Junction(join, parts.iter().map(|part| Self::new(part, reach, layout, slot_of)).collect())
             }
             Formula::Always(window, body) | Formula::Eventually(window, body) => {
-                Self::Temporal(join, *window, horizon(body), Box::new(Self::new(body, layout, slot_of)))
+                let inner = Self::new(body, reach_of_body(reach, *window), layout, slot_of);
+                Self::Temporal(join, *window, horizon(body), Box::new(inner))
+            }
+            Formula::Gated(Gated { gate, body, .. }) => {
+                Self::Gated(Box::new(GatedHistory::new((join, body, gate), (reach, None), layout, slot_of)))
+            }
+            Formula::Until(Until { window, gate, body, .. }) => {
+                let parts = GatedHistory::new((join, body, gate), (reach, Some(*window)), layout, slot_of);
+                Self::Until(*window, Box::new(parts))
+            }
+            Formula::Finally(body) => {
+                Self::Finally(Stream::new(body, ALL_TICKS, layout, slot_of), layout.decisions(1).start)
             }
             Formula::Margin(_) | Formula::Condition(_) => unreachable!("an atom is bounded"),
         }
@@ -50,6 +125,11 @@ impl History {
             }
             Self::Junction(_, parts) => parts.iter().for_each(|part| part.take(memory, tick, sample)),
             Self::Temporal(_, _, _, body) => body.take(memory, tick, sample),
+            Self::Gated(parts) | Self::Until(_, parts) => {
+                parts.gate.take(memory, tick, sample);
+                parts.body.take(memory, tick, sample);
+            }
+            Self::Finally(stream, index) => memory.decisions[*index] = stream.take(memory, tick, Some(sample)),
         }
     }
 
@@ -78,8 +158,64 @@ impl History {
                     None => unbounded(*join, window.from, *horizon, &body, complete),
                 }
             }
+            Self::Gated(parts) => parts.implies(memory, last, complete),
+            Self::Until(window, parts) => parts.until(*window, memory, last, complete),
+            Self::Finally(_, index) => {
+                let value = memory.decisions[*index].filter(|_| complete);
+                vec![value; usize::try_from(last + 1).unwrap_or(usize::MAX)]
+            }
         }
     }
+}
+
+/// The values of a bounded `until`; those of its parts after the last tick are not decided.
+fn bounded_until(join: Join, window: (u64, u64), body: &[Decision], gate: &[Decision]) -> Vec<Decision> {
+    let mut until = UntilMemory::default();
+    until.reserve(window.1);
+    let parts = body.iter().copied().zip(gate.iter().copied());
+    let open = std::iter::repeat_n((None, None), usize::try_from(window.1).unwrap_or(usize::MAX));
+    let starts = (0..).zip(parts.chain(open)).filter_map(|(at, parts)| until.take(join, window, at, parts));
+    starts.map(|(decision, _)| decision).collect()
+}
+
+/// The values of an unbounded `until`, from the last to the first: at a tick, g or else φ and the value at the next tick.
+fn unbounded_until(
+    join: Join,
+    from: u64,
+    horizon: u64,
+    (body, gate): (&[Decision], &[Decision]),
+    complete: bool,
+) -> Vec<Decision> {
+    let [from, horizon] = [from, horizon].map(|ticks| usize::try_from(ticks).unwrap_or(usize::MAX));
+    let judgeable = body.len().saturating_sub(horizon);
+    // Where it begins at once: no g came in what is left of the run.
+    let mut at_once = vec![None; judgeable + 1];
+    at_once[judgeable] = complete.then(|| join.of_nothing(judgeable as u64));
+    for tick in (0..judgeable).rev() {
+        let rest = both(join.opposite(), body[tick], at_once[tick + 1]);
+        at_once[tick] = both(join, rest, gate[tick]);
+    }
+    // Before the window begins, φ counts alone.
+    let mut before = Window::default();
+    before.reserve(from as u64);
+    let mut values = vec![None; body.len()];
+    for tick in (0..body.len()).rev() {
+        // The window slides backwards, so its ticks are counted from the end.
+        let turned = (body.len() - 1 - tick) as u64;
+        let known = if tick < judgeable { body[tick] } else { None };
+        let whole = before.slide(join.opposite(), from as u64, turned, known);
+        let begins = tick.saturating_add(from);
+        let rest = if begins < judgeable { at_once[begins] } else { None };
+        values[tick] = if from == 0 { rest } else { both(join.opposite(), whole, rest) };
+    }
+    values
+}
+
+fn both(join: Join, one: Decision, other: Decision) -> Decision {
+    let mut joined = Joined::new(true);
+    joined.take(join, one);
+    joined.take(join, other);
+    joined.decision(join)
 }
 
 /// The values of a bounded operator; the values of its body after the last tick are not decided.

@@ -1,6 +1,6 @@
 //! A judged value, and how values are joined by `and`, `or` and the temporal operators.
 
-use dsl::scenario::Formula;
+use dsl::scenario::{Formula, Gated, Until};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
@@ -13,6 +13,8 @@ pub struct Judged {
     signed: f64,
     /// The tick of the sample.
     pub tick: u64,
+    /// The comparison or condition of the claim that it comes from, counted from left to right as the formula is compiled.
+    pub part: u32,
 }
 
 /// A value, or `None` where the samples so far do not determine it.
@@ -28,13 +30,25 @@ impl Judged {
             0.0 => 0.0,
             value => value,
         };
-        Self { signed, tick }
+        Self { signed, tick, part: 0 }
     }
 
     /// Judges a condition: its margin is infinite.
     #[must_use]
     pub fn condition(holds: bool, tick: u64) -> Self {
-        Self { signed: if holds { f64::INFINITY } else { f64::NEG_INFINITY }, tick }
+        Self { signed: if holds { f64::INFINITY } else { f64::NEG_INFINITY }, tick, part: 0 }
+    }
+
+    /// The same of a part of a claim.
+    #[must_use]
+    pub fn of(self, part: u32) -> Self {
+        Self { part, ..self }
+    }
+
+    /// The same as the value of a gate, which is true or false.
+    #[must_use]
+    pub fn as_gate(self) -> Self {
+        Self::condition(self.holds(), self.tick).of(self.part)
     }
 
     /// The verdict.
@@ -63,7 +77,23 @@ impl Join {
     /// How `and`, `or` or a temporal operator joins.
     #[must_use]
     pub fn of(formula: &Formula) -> Self {
-        if matches!(formula, Formula::And(_) | Formula::Always(..)) { Self::All } else { Self::Any }
+        match formula {
+            Formula::And(_) | Formula::Always(..) => Self::All,
+            Formula::Gated(Gated { any, .. }) | Formula::Until(Until { any, .. }) if !any => Self::All,
+            _ => Self::Any,
+        }
+    }
+
+    /// The other one.
+    #[must_use]
+    pub fn opposite(self) -> Self {
+        if self == Self::All { Self::Any } else { Self::All }
+    }
+
+    /// The joined value of nothing at this tick.
+    #[must_use]
+    pub fn of_nothing(self, tick: u64) -> Judged {
+        Judged::condition(self == Self::All, tick)
     }
 
     /// Whether `a` takes precedence over `b` as the joined value.
@@ -84,6 +114,8 @@ impl Join {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Joined {
     counts: Decision,
+    /// The tick of the first value that fails.
+    pub first_failure: Option<u64>,
     /// Whether one of the values is not decided.
     open: bool,
     /// Whether no more values will come.
@@ -94,17 +126,26 @@ impl Joined {
     /// No value joined yet.
     #[must_use]
     pub fn new(complete: bool) -> Self {
-        Self { counts: None, open: false, complete }
+        Self { counts: None, first_failure: None, open: false, complete }
     }
 
     /// Joins one more value; among equal values the first is taken. Returns whether anything changed.
     pub fn take(&mut self, join: Join, decision: Decision) -> bool {
         let Some(value) = decision else { return !std::mem::replace(&mut self.open, true) };
+        if !value.holds() {
+            self.first_failure.get_or_insert(value.tick);
+        }
         let counts = self.counts.is_none_or(|counts| join.prefers(value, counts));
         if counts {
             self.counts = decision;
         }
         counts
+    }
+
+    /// The same with no more values to come.
+    #[must_use]
+    pub fn completed(self) -> Self {
+        Self { complete: true, ..self }
     }
 
     /// Joins a value of an earlier tick than all others: among equal values it is taken.
@@ -113,6 +154,12 @@ impl Joined {
         if self.counts.is_none_or(|counts| !join.prefers(counts, value)) {
             self.counts = decision;
         }
+    }
+
+    /// Whether one of the values is not decided.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.open
     }
 
     /// The joined value of those that are decided.

@@ -3,6 +3,7 @@
 
 use super::Claims;
 use super::judged::{Decision, Joined};
+use super::until::UntilMemory;
 use super::window::Window;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -19,8 +20,11 @@ pub struct ClaimsMemory {
     /// Values of temporal operators that are evaluated at tick 0 only.
     pub(super) temporals: Vec<Joined>,
     pub(super) windows: Vec<Window>,
+    pub(super) untils: Vec<UntilMemory>,
     /// Values at all ticks so far.
     pub(super) histories: Vec<Vec<Decision>>,
+    /// Whether each gate was open when the claim asked for it, and each `until` did not end at once.
+    pub(super) opened: Vec<bool>,
     pub(super) lost: Option<usize>,
 }
 
@@ -31,8 +35,13 @@ pub(super) struct Layout {
     temporals: usize,
     /// The width of each window.
     windows: Vec<u64>,
+    /// The last tick of the window of each `until`, counted from its start.
+    untils: Vec<u64>,
     /// By how many ticks the values of each history are late.
     histories: Vec<u64>,
+    gates: usize,
+    /// The parts of the current claim.
+    parts: u32,
 }
 
 impl ClaimsMemory {
@@ -60,6 +69,31 @@ impl Layout {
         self.windows.len() - 1
     }
 
+    pub fn until(&mut self, to: u64) -> usize {
+        self.untils.push(to);
+        self.untils.len() - 1
+    }
+
+    pub fn gate(&mut self) -> usize {
+        self.gates += 1;
+        self.gates - 1
+    }
+
+    /// How many gates there are so far.
+    pub fn gates(&self) -> usize {
+        self.gates
+    }
+
+    /// Begins a claim: its parts are counted from 0.
+    pub fn begin_claim(&mut self) {
+        self.parts = 0;
+    }
+
+    pub fn part(&mut self) -> u32 {
+        self.parts += 1;
+        self.parts - 1
+    }
+
     pub fn history(&mut self, horizon: u64) -> usize {
         self.histories.push(horizon);
         self.histories.len() - 1
@@ -74,7 +108,9 @@ impl Claims {
             decisions: vec![None; self.layout.decisions],
             temporals: vec![Joined::new(false); self.layout.temporals],
             windows: vec![Window::default(); self.layout.windows.len()],
+            untils: vec![UntilMemory::default(); self.layout.untils.len()],
             histories: vec![Vec::new(); self.layout.histories.len()],
+            opened: vec![false; self.layout.gates],
             lost: None,
         };
         self.reserve(&mut memory);
@@ -84,6 +120,7 @@ impl Claims {
     /// Allocates what the rest of the run needs; memory out of a checkpoint has no more than its content.
     pub fn reserve(&self, memory: &mut ClaimsMemory) {
         memory.windows.iter_mut().zip(&self.layout.windows).for_each(|(window, &width)| window.reserve(width));
+        memory.untils.iter_mut().zip(&self.layout.untils).for_each(|(until, &to)| until.reserve(to));
         for (values, horizon) in memory.histories.iter_mut().zip(&self.layout.histories) {
             let count = self.stop_tick.saturating_add(1).saturating_sub(*horizon);
             let capacity = usize::try_from(count).unwrap_or(usize::MAX).min(MAX_INITIAL_CAPACITY);
@@ -95,14 +132,16 @@ impl Claims {
     /// nothing from the future.
     #[must_use]
     pub fn fits(&self, memory: &ClaimsMemory, samples: u64) -> bool {
-        let Layout { decisions, temporals, windows, histories } = &self.layout;
+        let Layout { decisions, temporals, windows, untils, histories, gates, .. } = &self.layout;
         let in_time = |decision: &Decision| decision.is_none_or(|value| value.tick < samples);
         let count = |horizon: &u64| samples.saturating_sub(*horizon);
         (memory.decisions.len(), memory.temporals.len()) == (*decisions, *temporals)
             && (memory.windows.len(), memory.histories.len()) == (windows.len(), histories.len())
+            && (memory.untils.len(), memory.opened.len()) == (untils.len(), *gates)
             && memory.decisions.iter().all(in_time)
             && memory.temporals.iter().all(|joined| in_time(&joined.counting()))
             && memory.windows.iter().zip(windows).all(|(window, width)| window.fits(*width, samples))
+            && memory.untils.iter().zip(untils).all(|(until, to)| until.fits(*to, samples))
             && memory.histories.iter().map(|values| values.len() as u64).eq(histories.iter().map(count))
             && memory.histories.iter().flatten().all(in_time)
             && memory.lost.is_none_or(|claim| claim < self.formulas.len())

@@ -6,11 +6,14 @@
 
 mod claim;
 mod history;
+#[cfg(test)]
+mod judge;
 mod judged;
 mod memory;
 mod stream;
 #[cfg(test)]
 mod tests;
+mod until;
 mod window;
 
 pub use memory::ClaimsMemory;
@@ -19,7 +22,8 @@ use crate::expression::{Moment, SlotOf, Stack};
 use claim::AtStart;
 use dsl::scenario::Claim;
 use memory::Layout;
-use results::verdict::{ClaimInfo, Limit, MarginUnit, Standing, Verdict};
+use results::verdict::{ClaimInfo, ClaimPart, Limit, MarginUnit, Standing, Verdict};
+use std::ops::Range;
 use stream::Sample;
 
 /// Whether a run came to its own end.
@@ -36,13 +40,27 @@ pub enum Completeness {
 pub fn info(claim: &Claim) -> ClaimInfo {
     let unit = claim.unit.as_ref().map(|unit| MarginUnit { name: unit.name.clone(), factor: unit.factor });
     let limit = claim.limit.map(|limit| Limit { value: limit.value, upper: limit.upper });
-    ClaimInfo { name: claim.name.clone(), text: claim.text.clone(), line: claim.line, unit, limit }
+    let part = |part: &dsl::scenario::ClaimPart| ClaimPart {
+        text: part.text.clone(),
+        window: part.window.clone(),
+        signals: part.signals.clone(),
+    };
+    ClaimInfo {
+        name: claim.name.clone(),
+        text: claim.text.clone(),
+        line: claim.line,
+        unit,
+        limit,
+        parts: claim.parts.iter().map(part).collect(),
+        gates: claim.gates.clone(),
+    }
 }
 
 /// All claims of a script, compiled.
 #[derive(Debug)]
 pub struct Claims {
-    formulas: Vec<AtStart>,
+    /// Each with the indices of its gates.
+    formulas: Vec<(AtStart, Range<usize>)>,
     layout: Layout,
     stop_tick: u64,
 }
@@ -51,7 +69,13 @@ impl Claims {
     /// Compiles the claims for a run that ends at `stop_tick`.
     pub fn new(claims: &[Claim], stop_tick: u64, slot_of: &mut SlotOf<'_>) -> Self {
         let mut layout = Layout::default();
-        let formulas = claims.iter().map(|claim| AtStart::new(&claim.formula, &mut layout, slot_of)).collect();
+        let formula = |claim: &Claim| {
+            layout.begin_claim();
+            let first = layout.gates();
+            let formula = AtStart::new(&claim.formula, &mut layout, slot_of);
+            (formula, first..layout.gates())
+        };
+        let formulas = claims.iter().map(formula).collect();
         Self { formulas, layout, stop_tick }
     }
 
@@ -66,7 +90,7 @@ impl Claims {
         mut changed: impl FnMut(usize, Standing),
     ) {
         let mut sample = Sample { moment, stack };
-        for (index, formula) in self.formulas.iter().enumerate() {
+        for (index, (formula, _)) in self.formulas.iter().enumerate() {
             if formula.take(memory, tick, &mut sample) {
                 let standing = formula.standing(memory, false);
                 changed(index, standing);
@@ -79,7 +103,7 @@ impl Claims {
 
     /// The standing of each claim.
     pub fn standings(&self, memory: &ClaimsMemory) -> impl Iterator<Item = (usize, Standing)> {
-        self.formulas.iter().map(|formula| formula.standing(memory, false)).enumerate()
+        self.formulas.iter().map(|(formula, _)| formula.standing(memory, false)).enumerate()
     }
 
     /// Judges all claims by the samples up to `last_tick`, or as unjudged without any sample, and calls `visit` for each;
@@ -91,11 +115,21 @@ impl Claims {
         completeness: Completeness,
         mut visit: impl FnMut(usize, Standing),
     ) {
-        for (index, formula) in self.formulas.iter().enumerate() {
+        for (index, (formula, gates)) in self.formulas.iter().enumerate() {
             if let Some(last_tick) = last_tick {
                 formula.end(memory, last_tick, completeness);
             }
-            visit(index, formula.standing(memory, true));
+            let standing = formula.standing(memory, true);
+            let closed = memory.opened[gates.clone()].iter().position(|opened| !opened);
+            visit(
+                index,
+                match closed.and_then(|gate| u32::try_from(gate).ok()) {
+                    Some(part) if standing.verdict == Verdict::Holds => {
+                        Standing { verdict: Verdict::Untested, part, ..standing }
+                    }
+                    _ => standing,
+                },
+            );
         }
     }
 }

@@ -1,10 +1,11 @@
 //! Claims judged online, compared with the definition of their operators evaluated on the whole trace.
 
+use super::judge::Random;
 use super::judged::{Decision, Join, Joined, Judged};
 use super::{Claims, ClaimsMemory, Completeness};
 use crate::expression::{Moment, Stack};
 use crate::values::{Slot, ValueType, Values};
-use dsl::scenario::{BooleanExpression, Claim, Formula, Margin, Port, RealExpression, TickWindow};
+use dsl::scenario::{BooleanExpression, Claim, Formula, Gated, Margin, Port, RealExpression, TickWindow, Until};
 use proptest::prelude::*;
 use results::verdict::{Standing, Verdict};
 
@@ -50,8 +51,16 @@ fn horizon(formula: &Formula) -> u64 {
 }
 
 fn claims_of(formula: &Formula, stop_tick: u64) -> Claims {
-    let claim =
-        Claim { name: String::new(), text: String::new(), line: 1, formula: formula.clone(), unit: None, limit: None };
+    let claim = Claim {
+        name: String::new(),
+        text: String::new(),
+        line: 1,
+        formula: formula.clone(),
+        unit: None,
+        limit: None,
+        parts: Vec::new(),
+        gates: Vec::new(),
+    };
     Claims::new(&[claim], stop_tick, &mut |port| Slot { base: ValueType::Real, index: port.variable })
 }
 
@@ -70,7 +79,7 @@ fn end(claims: &Claims, memory: &mut ClaimsMemory, samples: u64, completeness: C
 }
 
 /// The standing of a run that has ended and the one before it was known to end, and the claim that was lost meanwhile.
-fn judge(
+pub(super) fn judge(
     formula: &Formula,
     trace: &[[f64; 2]],
     stop_tick: u64,
@@ -129,6 +138,11 @@ fn any_formula() -> impl Strategy<Value = Formula> {
     prop_oneof![any_shape, any_temporal(any_temporal(inner))]
 }
 
+/// Formulas with gates and `finally` too.
+fn any_gated_formula() -> impl Strategy<Value = Formula> {
+    any::<u64>().prop_map(|seed| random_formula(&mut Random(seed), 3))
+}
+
 /// Small whole numbers, so that margins are often equal or zero.
 fn any_trace() -> impl Strategy<Value = Vec<[f64; 2]>> {
     let value = || prop_oneof![20 => (-3..4_i32).prop_map(f64::from), 1 => Just(f64::NAN)];
@@ -147,7 +161,8 @@ proptest! {
         match defined(&formula, 0, &trace, completeness) {
             Some(value) => {
                 let verdict = if value.holds() { Verdict::Holds } else { Verdict::Fails };
-                prop_assert_eq!(standing, Standing { verdict, margin: value.reported_margin(), worst_tick: value.tick });
+                prop_assert_eq!(standing.verdict, verdict);
+                prop_assert_eq!((standing.margin, standing.worst_tick), (value.reported_margin(), value.tick));
             }
             None => prop_assert_eq!(standing.verdict, Verdict::Unjudged),
         }
@@ -159,7 +174,7 @@ proptest! {
 
     #[test]
     fn claims_that_continue_from_their_memory_are_judged_as_if_they_had_never_stopped(
-        formula in any_formula(), trace in any_trace(), cut in 1..12_usize, complete: bool, more in 0..5_u64,
+        formula in any_gated_formula(), trace in any_trace(), cut in 1..12_usize, complete: bool, more in 0..5_u64,
     ) {
         let completeness = if complete { Completeness::Complete } else { Completeness::CutOff };
         let stop_tick = trace.len() as u64 - 1 + more;
@@ -180,7 +195,7 @@ proptest! {
 
     #[test]
     fn the_memory_of_other_claims_is_refused_or_causes_no_panic(
-        formula in any_formula(), other in any_formula(), trace in any_trace(), samples in 1..12_u64,
+        formula in any_gated_formula(), other in any_gated_formula(), trace in any_trace(), samples in 1..12_u64,
     ) {
         let [claims, other] = [&formula, &other].map(|formula| claims_of(formula, 40));
         let mut memory = other.memory();
@@ -194,14 +209,61 @@ proptest! {
 
     #[test]
     fn a_verdict_of_a_run_that_was_cut_off_is_that_of_every_continuation(
-        formula in any_formula(), trace in any_trace(), rest in any_trace(),
+        formula in any_gated_formula(), trace in any_trace(), rest in any_trace(),
     ) {
-        let cut = judge(&formula, &trace, 40, Completeness::CutOff).0.verdict;
+        // A gate may still open.
+        let tested = |standing: Standing| match standing.verdict {
+            Verdict::Untested => Verdict::Holds,
+            verdict => verdict,
+        };
+        let cut = tested(judge(&formula, &trace, 40, Completeness::CutOff).0);
         let whole: Vec<_> = trace.iter().chain(&rest).copied().collect();
-        let later = judge(&formula, &whole, 40, Completeness::CutOff).0.verdict;
+        let later = tested(judge(&formula, &whole, 40, Completeness::CutOff).0);
         if cut != Verdict::Unjudged {
             prop_assert_eq!(cut, later);
         }
+    }
+}
+
+/// How many comparisons and conditions a formula has.
+pub(super) fn atoms_of(formula: &Formula) -> u32 {
+    match formula {
+        Formula::Margin(_) | Formula::Condition(_) => 1,
+        Formula::And(parts) | Formula::Or(parts) => parts.iter().map(atoms_of).sum(),
+        Formula::Always(_, body) | Formula::Eventually(_, body) | Formula::Finally(body) => atoms_of(body),
+        Formula::Gated(Gated { gate, body, .. }) | Formula::Until(Until { gate, body, .. }) => {
+            atoms_of(gate) + atoms_of(body)
+        }
+    }
+}
+
+/// A formula of any shape, at most so deep.
+pub(super) fn random_formula(random: &mut Random, depth: u32) -> Formula {
+    let variable = usize::try_from(random.below(2)).unwrap_or(0);
+    let kind = if depth == 0 { random.below(2) } else { random.below(12) };
+    let inner = |random: &mut Random| random_formula(random, depth.saturating_sub(1));
+    let window = |random: &mut Random| {
+        let from = random.below(3);
+        let to = (random.below(5) < 3).then(|| from + random.below(4));
+        TickWindow { from, to }
+    };
+    match kind {
+        0 => above_zero(variable, random.below(2) == 0),
+        1 => Formula::Condition(BooleanExpression::Margin(Margin { value: signal(variable), strict: true })),
+        2 => Formula::And(vec![inner(random), inner(random)]),
+        3 => Formula::Or(vec![inner(random), inner(random)]),
+        4 | 5 => Formula::Always(window(random), Box::new(inner(random))),
+        6 | 7 => Formula::Eventually(window(random), Box::new(inner(random))),
+        8 | 9 => {
+            let (any, gate, body) = (random.below(3) > 0, Box::new(inner(random)), Box::new(inner(random)));
+            Formula::Gated(Gated { any, gate, body })
+        }
+        10 => {
+            let (any, window) = (random.below(3) > 0, window(random));
+            let (gate, body) = (Box::new(inner(random)), Box::new(inner(random)));
+            Formula::Until(Until { any, window, body, gate })
+        }
+        _ => Formula::Finally(Box::new(random_formula(random, 0))),
     }
 }
 
@@ -265,4 +327,58 @@ fn a_run_too_long_for_memory_can_begin() {
 fn a_run_without_a_sample_leaves_every_claim_unjudged() {
     let (standing, ..) = judge(&above_zero(0, true), &[], 10, Completeness::CutOff);
     assert_eq!(standing.verdict, Verdict::Unjudged);
+}
+
+/// The verdict and margin of a run that came to its own end, for the samples of both signals.
+fn outcome(formula: &Formula, a: &[f64], b: &[f64]) -> (Verdict, f64) {
+    let trace: Vec<_> = a.iter().zip(b).map(|(&a, &b)| [a, b]).collect();
+    let standing = judge(formula, &trace, 100, Completeness::Complete).0;
+    (standing.verdict, standing.margin)
+}
+
+fn implies(gate: Formula, body: Formula) -> Formula {
+    Formula::Gated(Gated { any: true, gate: Box::new(gate), body: Box::new(body) })
+}
+
+fn until(to: Option<u64>, body: Formula, gate: Formula) -> Formula {
+    let window = TickWindow { from: 0, to };
+    Formula::Until(Until { any: true, window, body: Box::new(body), gate: Box::new(gate) })
+}
+
+#[test]
+fn gates_until_and_finally_by_their_smallest_examples() {
+    use Verdict::{Fails, Holds, Unjudged, Untested};
+    const INFINITY: f64 = f64::INFINITY;
+    let [a, b, a_fails] = [above_zero(0, true), above_zero(1, true), negated_above_zero(0)];
+    // a > 0 implies b > 0, whose gate is stored as not a > 0.
+    let gated = always(0, None, implies(a_fails.clone(), b.clone()));
+    let late = always(0, None, implies(a_fails, eventually(0, Some(2), b.clone())));
+    let [waits, waits_for_2] = [None, Some(2)].map(|to| until(to, a.clone(), b.clone()));
+    let last = Formula::Finally(Box::new(a));
+    let table: [(&str, &Formula, &[f64], &[f64], (Verdict, f64)); 13] = [
+        ("open twice", &gated, &[1.0, -1.0, 2.0], &[5.0, -9.0, 3.0], (Holds, 3.0)),
+        ("open and violated", &gated, &[1.0, -1.0, 2.0], &[5.0, -9.0, -3.0], (Fails, -3.0)),
+        ("never open", &gated, &[-1.0, -1.0], &[5.0, -9.0], (Untested, INFINITY)),
+        ("open in the last ticks only", &late, &[-1.0, -1.0, -1.0, 1.0], &[-1.0; 4], (Untested, INFINITY)),
+        ("answered late enough", &late, &[1.0, -1.0, -1.0, -1.0], &[-1.0, -1.0, 4.0, -1.0], (Holds, 4.0)),
+        ("it comes", &waits, &[3.0, 2.0, -5.0], &[-1.0, -1.0, 1.0], (Holds, 2.0)),
+        ("it comes too late for a", &waits, &[3.0, -2.0, 5.0], &[-1.0, -1.0, 1.0], (Fails, -2.0)),
+        ("it never comes", &waits, &[3.0, 2.0, 5.0], &[-1.0; 3], (Fails, -INFINITY)),
+        ("it is there at once", &waits, &[-3.0, 2.0], &[1.0, 1.0], (Untested, INFINITY)),
+        ("it comes after its window", &waits_for_2, &[3.0; 4], &[-1.0, -1.0, -1.0, 1.0], (Fails, -INFINITY)),
+        ("its window is cut short", &waits_for_2, &[3.0; 2], &[-1.0; 2], (Unjudged, 3.0)),
+        ("its window is cut short and a failed", &waits_for_2, &[3.0, -4.0], &[-1.0; 2], (Fails, -4.0)),
+        ("at the last sample", &last, &[-3.0, -4.0, 7.0], &[0.0; 3], (Holds, 7.0)),
+    ];
+    for (name, formula, a, b, expected) in table {
+        assert_eq!(outcome(formula, a, b), expected, "{name}");
+    }
+    let cut = judge(&last, &[[1.0, 0.0]], 100, Completeness::CutOff).0;
+    assert_eq!((cut.verdict, cut.margin), (Unjudged, 1.0));
+}
+
+/// `not x > 0`
+fn negated_above_zero(variable: usize) -> Formula {
+    let value = RealExpression::Negate(Box::new(signal(variable)));
+    Formula::Margin(Margin { value, strict: false })
 }

@@ -22,21 +22,40 @@ impl Window {
     /// Moves the window of this width to `tick`, takes its value and returns the value of the window that ends there.
     pub fn slide(&mut self, join: Join, width: u64, tick: u64, decision: Decision) -> Decision {
         let first = (tick + 1).saturating_sub(width);
+        self.drop_before(first);
+        self.push(join, tick, decision);
+        self.value(join, first)
+    }
+
+    /// Removes the values of ticks before `first`.
+    pub fn drop_before(&mut self, first: u64) {
         while self.candidates.front().is_some_and(|&(at, _)| at < first) {
             self.candidates.pop_front();
         }
-        match decision {
-            None => self.last_open = Some(tick),
-            Some(value) => {
-                while self.candidates.back().is_some_and(|&(_, earlier)| join.prefers(value, earlier)) {
-                    self.candidates.pop_back();
-                }
-                self.candidates.push_back((tick, value));
-            }
+    }
+
+    /// Takes the value of a tick later than all others.
+    pub fn push(&mut self, join: Join, tick: u64, decision: Decision) {
+        let Some(value) = decision else { return self.last_open = Some(tick) };
+        while self.candidates.back().is_some_and(|&(_, earlier)| join.prefers(value, earlier)) {
+            self.candidates.pop_back();
         }
-        let open = self.last_open.is_some_and(|at| at >= first);
-        let counts = self.candidates.front().map(|&(_, value)| value);
-        counts.filter(|&value| !open || join.is_decided_by(value))
+        self.candidates.push_back((tick, value));
+    }
+
+    /// The joined value from the tick `first` on, before which values were removed; that of nothing is none.
+    pub fn value(&self, join: Join, first: u64) -> Decision {
+        self.counting().filter(|&value| !self.is_open_since(first) || join.is_decided_by(value))
+    }
+
+    /// The joined value of those that are decided.
+    pub fn counting(&self) -> Decision {
+        self.candidates.front().map(|&(_, value)| value)
+    }
+
+    /// Whether a value from this tick on is not decided.
+    pub fn is_open_since(&self, first: u64) -> bool {
+        self.last_open.is_some_and(|at| at >= first)
     }
 
     /// Whether it can be that of a window of this width after so many samples.

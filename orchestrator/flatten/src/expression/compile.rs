@@ -97,6 +97,9 @@ impl Compiler<'_, '_> {
             E::Curve(curve) => self.push(Operation::Curve(Arc::clone(curve))),
             E::Shared(slot) => self.push(Operation::Shared(u32::try_from(*slot).unwrap_or(u32::MAX))),
             E::Call(function, arguments) => self.call(*function, arguments),
+            // A run sums up the samples that this gives: `running.rs`.
+            E::Running(running) => self.real(&running.of),
+            E::Truth(condition) => self.condition(condition),
         }
     }
 

@@ -89,27 +89,46 @@ fn claim_lines(script: &str, claims: &[JudgedClaim]) -> String {
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
     let widths = [width(0), width(1), width(2)];
     let mut text = String::new();
-    for [verdict, name, margin, detail] in &rows {
+    for ([verdict, name, margin, detail], claim) in rows.iter().zip(claims) {
         let [verdict_width, name_width, margin_width] = widths;
         let line = format!("  {verdict:verdict_width$}  {name:name_width$}  {margin:margin_width$}  {detail}");
         text.push_str(line.trim_end());
         text.push('\n');
+        if let Some(because) = &claim.because {
+            let _ = writeln!(text, "  {:verdict_width$}  because {}", "", shortened(because));
+        }
     }
     text
 }
 
+/// The longest text of a claim in the table, in characters.
+const LONGEST_TEXT: usize = 120;
+
+/// A text as it fits into the table.
+fn shortened(text: &str) -> String {
+    match text.char_indices().nth(LONGEST_TEXT) {
+        None => text.to_owned(),
+        Some(_) => text.chars().take(LONGEST_TEXT - 1).chain(['…']).collect(),
+    }
+}
+
 fn cells(script: &str, claim: &JudgedClaim) -> [String; 4] {
+    let written = shortened(&claim.claim);
     let (verdict, detail) = match claim.verdict {
-        Verdict::Holds => ("ok", claim.claim.clone()),
+        Verdict::Holds => ("ok", written),
+        Verdict::Untested => {
+            let why = shortened(claim.untested.as_ref().unwrap_or(&claim.claim));
+            return ["untested".to_owned(), claim.name.clone(), String::new(), why];
+        }
         Verdict::Fails => ("FAILED", format!("{script}:{}  {}", claim.line, value_seen(claim))),
-        Verdict::Undecided | Verdict::Unjudged => ("unjudged", format!("{script}:{}  {}", claim.line, claim.claim)),
+        Verdict::Undecided | Verdict::Unjudged => ("unjudged", format!("{script}:{}  {written}", claim.line)),
     };
     [verdict.to_owned(), claim.name.clone(), margin(claim), detail]
 }
 
 fn value_seen(claim: &JudgedClaim) -> String {
     let (Some(limit), Some(seen), Some(margin)) = (claim.limit, claim.seen, claim.margin) else {
-        return claim.claim.clone();
+        return shortened(&claim.claim);
     };
     let unit = unit_suffix(claim);
     format!("limit {}{unit}, seen {}{unit}", shortest_decimal(limit), beside(seen, margin))
@@ -134,13 +153,22 @@ fn count_line(verdict: &VerdictFile, replay: &str) -> String {
     let (count, all) = (verdict.count(), verdict.claims.len());
     let summary = match (count.failed, count.unjudged) {
         _ if all == 0 => return "No claims in this script: nothing was judged.\n".to_owned(),
-        (0, 0) if all == 1 => return "The claim holds.\n".to_owned(),
-        (0, 0) => return format!("All {all} claims hold.\n"),
+        (0, 0) => return holding_line(count.untested, all),
         (0, open) => format!("{open} of {all} claims could not be judged."),
         (failed, 0) => format!("{failed} of {all} claims failed."),
         (failed, open) => format!("{failed} of {all} claims failed, {open} could not be judged."),
     };
     format!("{summary}  {replay} replays it\n")
+}
+
+fn holding_line(untested: usize, all: usize) -> String {
+    match (untested, all) {
+        (0, 1) => "The claim holds.\n".to_owned(),
+        (0, _) => format!("All {all} claims hold.\n"),
+        (_, 1) => "The claim was not tested.\n".to_owned(),
+        (_, _) if untested == all => format!("None of {all} claims was tested.\n"),
+        _ => format!("All {all} claims hold, {untested} of them untested.\n"),
+    }
 }
 
 #[cfg(test)]

@@ -134,12 +134,14 @@ mod tests {
             line: 34,
             unit: unit.map(|(name, factor)| MarginUnit { name: name.to_owned(), factor }),
             limit: limit.map(|(value, upper)| Limit { value, upper }),
+            parts: Vec::new(),
+            gates: Vec::new(),
         }
     }
 
     /// The standing of a claim.
     fn standing(verdict: Verdict, margin: f64, worst_tick: u64) -> Standing {
-        Standing { verdict, margin, worst_tick }
+        Standing { verdict, margin, worst_tick, first_tick: worst_tick, part: 0 }
     }
 
     const MOMENT: Moment<'static> = Moment { run: "0123456789abcdef", tick: 1234, step_ns: 10_000_000 };

@@ -24,5 +24,6 @@ pub(crate) fn standings(board: &Board, claims: usize) -> Vec<Standing> {
 /// A claim's note; a number that is no verdict decides nothing.
 fn standing(note: &ClaimNote) -> Standing {
     let verdict = Verdict::from_number(note.verdict).unwrap_or(Verdict::Undecided);
-    Standing { verdict, margin: note.margin, worst_tick: note.worst_tick }
+    let ClaimNote { margin, worst_tick, first_tick, part, .. } = *note;
+    Standing { verdict, margin, worst_tick, first_tick, part }
 }

@@ -140,7 +140,8 @@ fn what_shows_a_run_begins_with_its_board_and_takes_its_end() {
 #[test]
 fn claims_that_were_decided_before_a_death_stay_decided() {
     let run = Run::new();
-    let note = |verdict: Verdict| ClaimNote { verdict: verdict as u8, margin: -1.0, worst_tick: 7 };
+    let note =
+        |verdict: Verdict| ClaimNote { verdict: verdict as u8, margin: -1.0, worst_tick: 7, first_tick: 7, part: 0 };
     run.board.set_claim(0, &note(Verdict::Fails));
     run.board.set_claim(1, &note(Verdict::Undecided));
     let (ended, _) = run.concluded(DIED_OF_SIGSEGV);

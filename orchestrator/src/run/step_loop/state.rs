@@ -3,6 +3,7 @@
 use super::UnderWay;
 use super::next_rows::NextRows;
 use crate::run::worker::Terminated;
+use dsl::scenario::RunningMemory;
 use flatten::claims::ClaimsMemory;
 use flatten::values::Values;
 use flatten::wiring::{OverrideState, Plan};
@@ -50,6 +51,8 @@ pub(super) struct CarriedState {
     pub overrides: Vec<OverrideState>,
     /// What the claims remember of earlier samples.
     pub claims: ClaimsMemory,
+    /// The same of running values.
+    pub running: Vec<RunningMemory>,
 }
 
 impl State {
@@ -68,6 +71,7 @@ impl State {
                 rises: vec![false; plan.rises.len()],
                 overrides: plan.overrides.states(),
                 claims: plan.claims.memory(),
+                running: plan.running.memories(),
             },
             visible_shared: vec![0.0; plan.shared.len()],
             latest_shared: vec![0.0; plan.shared.len()],
@@ -88,5 +92,6 @@ impl CarriedState {
             && self.overrides.len() == overrides.len()
             && overrides.iter().zip(&self.overrides).all(|(one, state)| one.fits(state))
             && plan.claims.fits(&self.claims, samples)
+            && self.running.len() == plan.running.memories().len()
     }
 }

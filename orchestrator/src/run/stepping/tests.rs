@@ -6,8 +6,8 @@ use crate::run::run_options::RunOptions;
 use crate::run::run_spec::UnitSpec;
 use ::tests::foreign::Foreign;
 use dsl::scenario::{
-    BooleanExpression, Claim, Column, Connection, Drive, Event, Formula, Instance, Margin, Port, RealExpression,
-    Scenario, Set, TickWindow, Unit,
+    BooleanExpression, Claim, Column, Connection, Drive, Event, Formula, Gated, Instance, Margin, Port, RealExpression,
+    Scenario, Set, TickWindow, Unit, Until,
 };
 use std::path::PathBuf;
 use unit::archive::{Unpacked, unpack};
@@ -31,13 +31,31 @@ fn claims() -> Vec<Claim> {
     let body = || Box::new(Formula::Margin(Margin { value: signal(1), strict: false }));
     let window = |to| TickWindow { from: 0, to };
     let within = Formula::Eventually(window(Some(20)), body());
+    let until = |to: Option<u64>| {
+        let (gate, any) = (Box::new(Formula::Finally(body())), true);
+        let gated = Box::new(Formula::Gated(Gated { any, gate: body(), body: body() }));
+        let gate = if to.is_some() { body() } else { gate };
+        Formula::Until(Until { any, window: window(to), body: gated, gate })
+    };
     let formulas = [
         Formula::Always(window(None), body()),
         Formula::Eventually(window(None), body()),
         Formula::Always(window(None), Box::new(within)),
         Formula::Always(window(None), Box::new(Formula::Eventually(window(None), body()))),
+        Formula::Always(window(None), Box::new(until(Some(20)))),
+        Formula::Always(window(None), Box::new(until(None))),
+        until(None),
     ];
-    let claim = |formula| Claim { name: String::new(), text: String::new(), line: 1, formula, unit: None, limit: None };
+    let claim = |formula| Claim {
+        name: String::new(),
+        text: String::new(),
+        line: 1,
+        formula,
+        unit: None,
+        limit: None,
+        parts: Vec::new(),
+        gates: Vec::new(),
+    };
     formulas.map(claim).to_vec()
 }
 

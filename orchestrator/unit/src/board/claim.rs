@@ -7,7 +7,7 @@ pub(super) const CLAIM_WORDS: usize = 16;
 
 const COUNT_AT: usize = 0;
 const COPIES_AT: usize = 4;
-const COPY_WORDS: usize = 3;
+const COPY_WORDS: usize = 5;
 
 /// Reading retries while the writer overtakes it, but not for ever: an overwritten count must not hang the reader.
 const TRIES: usize = 100;
@@ -21,6 +21,10 @@ pub struct ClaimNote {
     pub margin: f64,
     /// The tick of the worst point.
     pub worst_tick: u64,
+    /// The tick of the first violation.
+    pub first_tick: u64,
+    /// The part of the claim that the margin comes from.
+    pub part: u32,
 }
 
 impl ClaimNote {
@@ -34,6 +38,8 @@ impl ClaimNote {
         copy[0].store(u64::from(self.verdict), Ordering::Relaxed);
         copy[1].store(self.margin.to_bits(), Ordering::Relaxed);
         copy[2].store(self.worst_tick, Ordering::Relaxed);
+        copy[3].store(self.first_tick, Ordering::Relaxed);
+        copy[4].store(u64::from(self.part), Ordering::Relaxed);
         words[COUNT_AT].store(count, Ordering::Release);
     }
 
@@ -51,6 +57,8 @@ impl ClaimNote {
                 verdict: u8::try_from(copy[0]).unwrap_or(u8::MAX),
                 margin: f64::from_bits(copy[1]),
                 worst_tick: copy[2],
+                first_tick: copy[3],
+                part: u32::try_from(copy[4]).unwrap_or(u32::MAX),
             });
             if words[COUNT_AT].load(Ordering::Relaxed) == count {
                 break;

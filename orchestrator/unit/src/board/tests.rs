@@ -150,14 +150,14 @@ fn a_message_that_is_longer_than_the_ring_is_refused_and_the_longest_that_fits_p
 fn a_claim_is_read_as_it_was_last_stored_even_if_its_writer_died_while_storing_the_next() {
     let (_folder, parent, child) = both_sides();
     assert_eq!(parent.claim(1), None);
-    let first = ClaimNote { verdict: 1, margin: -0.25, worst_tick: 40 };
+    let first = ClaimNote { verdict: 1, margin: -0.25, worst_tick: 40, first_tick: 38, part: 2 };
     child.set_claim(1, &first);
     assert_eq!(parent.claim(1), Some(first));
     let second = ClaimNote { verdict: 2, margin: f64::INFINITY, ..first };
     child.set_claim(1, &second);
     assert_eq!(parent.claim(1), Some(second));
     // A third is half written, over the copy that held the first.
-    for word in &child.claim_words(1)[8..10] {
+    for word in &child.claim_words(1)[10..13] {
         word.store(77, Ordering::Relaxed);
     }
     assert_eq!((parent.claim(0), parent.claim(1)), (None, Some(second)));
