@@ -12,7 +12,7 @@ mod reads;
 use crate::source::FileRef;
 pub use curve::Curve;
 pub use duration::duration;
-pub use event::{Action, Event, Fault, FaultKind, Set, Trigger};
+pub use event::{Action, Event, Fault, FaultKind, Set, Stage, StopWhen, Trigger};
 pub use reads::Slots;
 use serde::{Deserialize, Serialize};
 
@@ -39,6 +39,10 @@ pub struct Scenario {
     pub connections: Vec<Connection>,
     /// The windows in the script's order.
     pub events: Vec<Event>,
+    /// `stop when`
+    pub stop_when: Option<StopWhen>,
+    /// The seed of the random numbers of faults; 0 where no fault draws any.
+    pub seed: i64,
     /// The conditions whose past counts, by slot.
     pub conditions: Vec<Condition>,
     /// What connections, conditions and claims use more than once; each may use those before it.
@@ -305,7 +309,7 @@ pub enum BooleanExpression {
 pub struct Condition {
     /// What must hold.
     pub is: BooleanExpression,
-    /// For how many ticks in a row, for `held`; 0 for `rises`.
+    /// For how many ticks it must have held, for `held`; else 0.
     pub held_ticks: u64,
 }
 

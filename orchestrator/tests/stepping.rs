@@ -63,6 +63,8 @@ fn scenario() -> Scenario {
                 set(ENABLED, Drive::Boolean(BooleanExpression::Constant(true))),
             ],
         )],
+        stop_when: None,
+        seed: 0,
         conditions: Vec::new(),
         shared: Vec::new(),
         claims: Vec::new(),

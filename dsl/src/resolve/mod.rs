@@ -41,6 +41,7 @@
 //! | E38 | a number out of range |
 //! | E39 | a value that is too large or too deeply nested to be meant |
 //! | E40 | a file that a unit cannot be given |
+//! | E45 | a fault that does not exist, lacks its value, or acts on no connection |
 //! | W01 | a value is passed to a variable that declares no unit, or one that its description does not define |
 //! | W02 | inputs without driver and without a value in the script |
 //! | W03 | two instances of one unit draw the same random numbers |
@@ -65,6 +66,7 @@ mod comparison;
 mod event;
 mod experiment;
 mod expression;
+mod fault;
 mod findings;
 mod fit;
 mod frame;
@@ -76,6 +78,7 @@ mod limits;
 mod literal;
 mod meaning;
 mod measure;
+mod overlap;
 mod parameter;
 mod preset;
 mod reads;
@@ -152,6 +155,8 @@ fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
     let periods = scope.periods();
     let connections = scope.connections(periods.as_deref());
     let events = scope.events(stop_tick);
+    let stop_when = scope.stop_when();
+    let seed = scope.fault_seed(&events);
     let claims = scope.claims(stop_tick);
     let columns = scope.columns(&connections, &claims);
     let waves = scope.waves(&connections);
@@ -184,6 +189,8 @@ fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
         initialization,
         connections: connections.into_iter().map(|wired| wired.connection).collect(),
         events,
+        stop_when,
+        seed: seed?,
         conditions: Vec::new(),
         shared: Vec::new(),
         claims,

@@ -22,8 +22,8 @@ pub(super) struct Script<'a> {
     pub step: Option<&'a Expression>,
     /// `stop`
     pub stop: Option<&'a Expression>,
-    /// Whether there is a `stop` that was refused.
-    pub stop_refused: bool,
+    /// `stop when`
+    pub stop_when: Option<&'a Statement>,
     /// `param`
     pub parameters: Vec<Placed<&'a Binding>>,
     /// `let`
@@ -32,8 +32,8 @@ pub(super) struct Script<'a> {
     pub instances: Vec<Declared<'a>>,
     /// `->` and `=>`
     pub wires: Vec<Placed<Wire<'a>>>,
-    /// `at`
-    pub windows: Vec<Placed<&'a Window>>,
+    /// `at`, `when` and `while`
+    pub windows: Vec<Placed<(Opens, &'a Window)>>,
     /// `assert`
     pub claims: Vec<Placed<(&'a Name, &'a Expression)>>,
     /// The paths of `record`.
@@ -50,6 +50,17 @@ pub(super) struct Script<'a> {
 
 /// The place of a unit in the order of first use, and what it says about itself.
 type Found = (usize, Result<Rc<Unit>, Problem>);
+
+/// The statements that open windows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Opens {
+    /// `at`
+    At,
+    /// `when`
+    When,
+    /// `while`
+    While,
+}
 
 /// A unit under a name.
 #[derive(Debug)]
@@ -155,7 +166,9 @@ impl<'a> Script<'a> {
                 self.declare(frame, &part.name, Declaration::Let(part), &RESERVED, found);
             }
             StatementKind::Fmu(part) => self.instance(request, Placed { frame, part }, found),
-            StatementKind::At(part) => self.windows.push(Placed { frame, part }),
+            StatementKind::At(window) => self.windows.push(Placed { frame, part: (Opens::At, window) }),
+            StatementKind::When(window) => self.windows.push(Placed { frame, part: (Opens::When, window) }),
+            StatementKind::While(window) => self.windows.push(Placed { frame, part: (Opens::While, window) }),
             StatementKind::Assert { name, claim } => self.claim(Placed { frame, part: (name, claim) }, found),
             StatementKind::Record { signals, every } => {
                 self.has_record = true;
@@ -169,8 +182,7 @@ impl<'a> Script<'a> {
                 self.wires.push(Placed { frame, part });
             }
             StatementKind::StopWhen { .. } => {
-                self.stop_refused = true;
-                found.push(not_yet(span, "`stop when`"));
+                once(&mut self.stop_when, statement.part, |statement| statement.span, "stop when", found);
             }
             StatementKind::Use(part) => {
                 self.refuse_name(frame, &part.name.word);
@@ -180,8 +192,6 @@ impl<'a> Script<'a> {
                 self.refuse_names(frame, body);
                 found.push(not_yet(span, "`for`"));
             }
-            StatementKind::When(_) => found.push(not_yet(span, "`when`")),
-            StatementKind::While(_) => found.push(not_yet(span, "`while`")),
             StatementKind::Sweep(_) => found.push(not_yet(span, "`sweep`")),
         }
     }
@@ -323,9 +333,12 @@ impl<'a> Script<'a> {
         );
         missing(self.step.is_some(), "this script does not say its `step`", "write for example `step 10 ms`");
         missing(
-            self.stop.is_some() || self.stop_refused,
+            self.stop.is_some(),
             "this script does not say when to stop",
-            "write for example `stop 60 s`",
+            match self.stop_when {
+                None => "write for example `stop 60 s`",
+                Some(_) => "`stop when` alone may never end the run: write the latest time too, for example `stop 60 s`",
+            },
         );
     }
 }

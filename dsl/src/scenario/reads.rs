@@ -81,7 +81,7 @@ impl BooleanExpression {
 }
 
 impl RealExpression {
-    fn reads(&self, slots: Slots<'_>, visit: &mut dyn FnMut(Port)) {
+    pub(super) fn reads(&self, slots: Slots<'_>, visit: &mut dyn FnMut(Port)) {
         match self {
             Self::Constant(_) | Self::Time => {}
             Self::Signal(port) => visit(*port),

@@ -9,6 +9,7 @@ mod post_mortem;
 mod standings;
 mod stepping_process;
 mod terms;
+mod windows;
 #[cfg(test)]
 mod tests;
 
@@ -22,6 +23,7 @@ use log_order::LogOrder;
 pub use post_mortem::{cause_of_death, failure};
 use results::TraceError;
 use results::checkpoint::Saving;
+use results::events::WindowChange;
 use results::recorder::Recorder;
 use results::report::console::Console;
 use results::report::progress::Progress;
@@ -145,6 +147,7 @@ struct Supervision<'a, W: Write> {
     repeated: Option<u64>,
     finish: Option<Finish>,
     failure: Option<Failure>,
+    events: Vec<WindowChange>,
     interrupts: usize,
 }
 
@@ -178,6 +181,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             repeated: None,
             finish: None,
             failure: None,
+            events: Vec::new(),
             interrupts: 0,
         }
     }
@@ -226,6 +230,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             Message::Calls(call) => {
                 return self.recorder.event(Event::Calls { instance: call.instance, piece: &call.bytes });
             }
+            Message::Window(change) => return self.window(change),
             Message::Finished(finish) => self.finish = Some(finish),
             // A failure after the user killed the run is a consequence of that.
             Message::Broken(_) if self.interrupts > 1 => {}
@@ -383,6 +388,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             last_tick,
             interrupted: ended_by_loop.unwrap_or(self.interrupts > 0),
             standings: standings(self.board, self.spec.scenario.claims.len()),
+            events: std::mem::take(&mut self.events),
             wall: Duration::ZERO,
             finish: self.finish.take(),
             failure: self.failure.clone(),

@@ -9,7 +9,7 @@ use dsl::scenario::{
     Unit,
 };
 use flatten::values::Values;
-use flatten::wiring::{InputLimits, InstancePorts, Plan, VariableSlot};
+use flatten::wiring::{Change, InputLimits, InstancePorts, Plan, VariableSlot};
 use fmi2::calls::Call;
 use orchestrator::run::message::Finish;
 use orchestrator::run::run_options::RunOptions;
@@ -95,6 +95,8 @@ pub struct Ran {
     pub verdicts: Vec<Verdict>,
     pub standings: Vec<Standing>,
     pub checkpoints: Vec<Checkpoint>,
+    /// The windows that opened and closed.
+    pub changes: Vec<Change>,
     /// The calls of the workers, in order.
     pub asked: Vec<String>,
 }
@@ -125,6 +127,8 @@ impl Script {
             initialization: Vec::new(),
             connections: Vec::new(),
             events: Vec::new(),
+            stop_when: None,
+            seed: 0,
             conditions: Vec::new(),
             shared: Vec::new(),
             claims: Vec::new(),
@@ -194,6 +198,7 @@ impl Script {
             stop_at: self.stop_requested_at,
             saves: self.saves,
             checkpoints: Vec::new(),
+            changes: Vec::new(),
         };
         seen.standings.resize(self.scenario.claims.len(), None);
         let options = RunOptions { fail_fast: self.fail_fast, record: true, ..RunOptions::default() };
@@ -201,7 +206,7 @@ impl Script {
         let standings: Vec<_> = seen.standings.into_iter().flatten().collect();
         let verdicts = standings.iter().map(|standing| standing.verdict).collect();
         let asked = asked.borrow().clone();
-        Ran { result, rows: seen.rows, verdicts, standings, checkpoints: seen.checkpoints, asked }
+        Ran { result, rows: seen.rows, verdicts, standings, checkpoints: seen.checkpoints, changes: seen.changes, asked }
     }
 }
 
@@ -214,6 +219,7 @@ struct Seen {
     stop_at: Option<u64>,
     saves: Vec<u64>,
     checkpoints: Vec<Checkpoint>,
+    changes: Vec<Change>,
 }
 
 impl Observer for &mut Seen {
@@ -240,6 +246,9 @@ impl Observer for &mut Seen {
         Ok(())
     }
     fn missed_limits(&mut self, _: &InputLimits, _: f64, _: u64) {}
+    fn window(&mut self, change: Change) {
+        self.changes.push(change);
+    }
     fn claim(&mut self, claim: usize, standing: Standing) {
         self.standings[claim] = Some(standing);
     }

@@ -4,6 +4,7 @@ mod claims;
 mod completeness;
 mod connections;
 mod differences;
+mod events;
 mod fixtures;
 mod initial;
 mod limits;

@@ -183,10 +183,6 @@ fn repeated_statements_and_periods_are_refused() {
 fn features_of_later_versions_are_refused_by_name() {
     let lines = "use lead = \"uav.scn\"
 for i in 1..2 { let a = 3 }
-when quad.landed { set quad.drag = 0.2 }
-while quad.landed { set quad.drag = 0.2 }
-stop when quad.landed
-at 3 s { fault quad.wind: freeze }
 assert gate: always (quad.landed implies quad.roll < 3 deg)
 assert till: quad.roll < 3 deg until quad.landed
 record quad.* every 20 ms
@@ -198,10 +194,6 @@ lead.body.state -> ctrl.state";
     insta::assert_snapshot!(messages.join("\n"), @r#"
     E20 `use` is not known to this version of lockstep yet
     E20 `for` is not known to this version of lockstep yet
-    E20 `when` is not known to this version of lockstep yet
-    E20 `while` is not known to this version of lockstep yet
-    E20 `stop when` is not known to this version of lockstep yet
-    E20 `fault` is not known to this version of lockstep yet
     E20 `implies` is not known to this version of lockstep yet
     E20 `until` is not known to this version of lockstep yet
     E20 `.*` is not known to this version of lockstep yet
@@ -213,12 +205,12 @@ lead.body.state -> ctrl.state";
 
 #[test]
 fn a_refusal_says_what_to_do() {
-    insta::assert_snapshot!(shown(&flight("at 3 s { fault quad.wind: freeze }")), @r#"
-    error[E20]: `fault` is not known to this version of lockstep yet
-     --> test.scn:7:10
+    insta::assert_snapshot!(shown(&flight("fmu far = \"wind\" on edge[1]")), @r#"
+    error[E20]: `on` is not known to this version of lockstep yet
+     --> test.scn:7:21
       |
-    7 | at 3 s { fault quad.wind: freeze }
-      |          ^^^^^^^^^^^^^^^^^^^^^^^
+    7 | fmu far = "wind" on edge[1]
+      |                     ^^^^^^^
       |
       = help: leave it out for now
     "#);

@@ -59,6 +59,8 @@ fn scenario(ticks: u64) -> Scenario {
         initialization: Vec::new(),
         connections: vec![arrow(0, Drive::Real(computed), false), arrow(1, Drive::Copy(port(0, Y)), true)],
         events: vec![Event::at(20, Some(20), vec![enabled])],
+        stop_when: None,
+        seed: 0,
         conditions: Vec::new(),
         shared: Vec::new(),
         claims: claims(),
