@@ -12,7 +12,7 @@ mod reads;
 use crate::source::FileRef;
 pub use curve::Curve;
 pub use duration::duration;
-pub use event::{Action, Event, Fault, FaultKind, Set, Stage, StopWhen, Trigger};
+pub use event::{Action, Condition, Event, Fault, FaultKind, Set, Stage, StopWhen, Trigger};
 pub use reads::Slots;
 use serde::{Deserialize, Serialize};
 
@@ -302,15 +302,6 @@ pub enum BooleanExpression {
     And(Vec<BooleanExpression>),
     /// At least one holds.
     Or(Vec<BooleanExpression>),
-}
-
-/// A condition that a run follows from sample to sample.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Condition {
-    /// What must hold.
-    pub is: BooleanExpression,
-    /// For how many ticks it must have held, for `held`; else 0.
-    pub held_ticks: u64,
 }
 
 /// An operand of `==` between discrete values.

@@ -29,8 +29,14 @@ impl Scope<'_, '_> {
                 _ => (0, None),
             };
             for (span, made) in window.actions.iter().flat_map(|action| scope.actions(action)) {
-                let touch = |action: &Action, port| {
-                    Touch { port, stage: action.stage(), from, until, span, window: index, action: actions_before }
+                let touch = |action: &Action, port| Touch {
+                    port,
+                    stage: action.stage(),
+                    from,
+                    until,
+                    span,
+                    window: index,
+                    action: actions_before,
                 };
                 own_touches.extend(
                     made.iter().flat_map(|action| action.targets().iter().map(move |&port| touch(action, port))),

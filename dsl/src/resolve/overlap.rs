@@ -52,15 +52,21 @@ impl Scope<'_, '_> {
         let name = self.port_name(late.port);
         let are_sets = (early.stage, late.stage) == (Stage::Set, Stage::Set);
         let (message, here) = match (are_sets, early.window == late.window) {
-            (true, _) => (format!("two windows set `{name}` at one time"), "set here too"),
+            (true, true) => (format!("one window sets `{name}` twice"), "set here too"),
+            (true, false) => (format!("two windows set `{name}` at one time"), "set here too"),
             (false, false) => (format!("two windows act on `{name}` at one time"), "here too"),
-            (false, true) => (format!("one window has two faults of `{name}` that exclude each other"), "the other one"),
+            (false, true) => {
+                (format!("one window has two faults of `{name}` that exclude each other"), "the other one")
+            }
         };
         let error = Diagnostic::error("E35", late.span, message).label(early.span, here);
-        if are_sets {
+        if are_sets && early.window == late.window {
+            error.help("leave one of them")
+        } else if are_sets {
             error.help("let one end before the other begins, or set it in one place")
         } else if early.window == late.window {
-            error.help("leave one of them: each window has one `bias`, one `noise`, one `loss` or `freeze`, one `delay`")
+            error
+                .help("leave one of them: each window has one `bias`, one `noise`, one `loss` or `freeze`, one `delay`")
         } else {
             error.help("let one end before the other begins, or write both into one window")
         }

@@ -337,7 +337,9 @@ impl<'a> Script<'a> {
             "this script does not say when to stop",
             match self.stop_when {
                 None => "write for example `stop 60 s`",
-                Some(_) => "`stop when` alone may never end the run: write the latest time too, for example `stop 60 s`",
+                Some(_) => {
+                    "`stop when` alone may never end the run: write the latest time too, for example `stop 60 s`"
+                }
             },
         );
     }

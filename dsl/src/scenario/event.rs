@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Drive, Port, RealExpression, Slots};
+use super::{BooleanExpression, Drive, Port, RealExpression, Slots};
 
 /// A window in which actions are in force.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,6 +28,15 @@ pub enum Trigger {
     When(usize),
     /// As long as such a condition holds.
     While(usize),
+}
+
+/// A condition that a run follows from sample to sample.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Condition {
+    /// What must hold.
+    pub is: BooleanExpression,
+    /// For how many ticks it must have held, for `held`; else 0.
+    pub held_ticks: u64,
 }
 
 /// What a window does.

@@ -52,7 +52,9 @@ impl<'a, W: Observer> StepLoop<'a, W> {
         let stored = self.store_next_rows(|_| true);
         let ended = ended.and_then(|finish| stored.map(|()| finish));
         let completeness = match &ended {
-            Ok(Finish { reason: Reason::StopTime | Reason::StopWhen | Reason::Terminated(_), .. }) => Completeness::Complete,
+            Ok(Finish { reason: Reason::StopTime | Reason::StopWhen | Reason::Terminated(_), .. }) => {
+                Completeness::Complete
+            }
             _ => Completeness::CutOff,
         };
         let (observer, last_sample) = (&mut self.observer, self.state.samples.checked_sub(1));

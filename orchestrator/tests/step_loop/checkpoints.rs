@@ -4,7 +4,7 @@ use crate::fake::{
     Answer, Fake, P, Ran, Script, Step, U, V, Y, answering, counter, description, port, repeater, signal, unit,
 };
 use crate::{TIME, number};
-use dsl::scenario::{BooleanExpression, Formula, Margin, RealExpression, TickWindow};
+use dsl::scenario::{Action, BooleanExpression, Fault, FaultKind, Formula, Margin, RealExpression, TickWindow};
 use orchestrator::run::message::Reason;
 use orchestrator::run::step_loop::Checkpoint;
 use unit::failure::Cause;
@@ -24,7 +24,7 @@ impl Script {
 }
 
 /// Whether a run of a script can continue from a checkpoint, as it is read from a file.
-fn fits(checkpoint: &Checkpoint, script: &Script) -> bool {
+pub fn fits(checkpoint: &Checkpoint, script: &Script) -> bool {
     let bytes = postcard::to_stdvec(checkpoint).unwrap();
     Checkpoint::read(&bytes, &script.scenario, &vec![&description(); script.units.len()]).is_ok()
 }
@@ -49,6 +49,8 @@ pub fn everything(ticks: u64) -> Script {
     script.scenario.stop_tick = ticks;
     let rises = BooleanExpression::Margin(Margin { value: signal(1), strict: true });
     script.scenario.conditions = vec![dsl::scenario::Condition { is: rises, held_ticks: 0 }];
+    let late = Fault { targets: vec![port(1, U)], kind: FaultKind::Delay(3) };
+    let script = script.in_ticks(&[3, 4, 5, 6, 7, 8], vec![Action::Fault(late)]);
     let risen = Formula::Condition(BooleanExpression::Rises(0));
     let unbounded = Formula::Eventually(TickWindow { from: 0, to: None }, Box::new(above(signal(4), 9.0)));
     let script = script.always(within(4, above(signal(1), 3.0))).always(unbounded).always(within(3, risen));

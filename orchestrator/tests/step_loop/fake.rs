@@ -206,7 +206,15 @@ impl Script {
         let standings: Vec<_> = seen.standings.into_iter().flatten().collect();
         let verdicts = standings.iter().map(|standing| standing.verdict).collect();
         let asked = asked.borrow().clone();
-        Ran { result, rows: seen.rows, verdicts, standings, checkpoints: seen.checkpoints, changes: seen.changes, asked }
+        Ran {
+            result,
+            rows: seen.rows,
+            verdicts,
+            standings,
+            checkpoints: seen.checkpoints,
+            changes: seen.changes,
+            asked,
+        }
     }
 }
 

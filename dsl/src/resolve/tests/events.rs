@@ -34,7 +34,9 @@ at 2 s lasting 1 s { set quad.wind.y = 1 m/s }";
     let shown_parts: Vec<_> = scenario
         .events
         .iter()
-        .map(|Event { trigger, lasting, statement, condition, .. }| (*trigger, *lasting, statement.as_str(), condition.as_str()))
+        .map(|Event { trigger, lasting, statement, condition, .. }| {
+            (*trigger, *lasting, statement.as_str(), condition.as_str())
+        })
         .collect();
     assert_eq!(
         shown_parts,
@@ -57,14 +59,31 @@ while always quad.landed { set quad.drag = 0.2 }
 when quad.landed held 3 ms { set quad.drag = 0.2 }
 when quad.landed lasting 0 s { set quad.drag = 0.2 }
 stop when quad.roll";
-    insta::assert_snapshot!(headings(&flight(lines)), @r#""#);
+    insta::assert_snapshot!(headings(&flight(lines)), @r#"
+    error[E21]: expected a condition, `quad.roll` is a number
+    = help: a condition compares, for example `x > 3 m`
+    error[E30]: `always` looks ahead in time, which only claims do
+    = help: write it in an `assert`, or in a `let` that only asserts use
+    error[E08]: 3 ms does not fall on the 10 ms grid
+    = help: 10 ms, or `step 1 ms`
+    error[E38]: `0 s` is no time at all
+    = help: this time has to be longer than zero
+    error[E21]: expected a condition, `quad.roll` is a number
+    = help: a condition compares, for example `x > 3 m`
+    "#);
 }
 
 #[test]
 fn stop_when_needs_a_latest_time_and_stands_once() {
     let script = "scenario \"Test\"\nstep 10 ms\nfmu quad = \"quadcopter\"\nstop when quad.landed\n";
-    insta::assert_snapshot!(headings(script), @r#""#);
-    insta::assert_snapshot!(headings(&flight("stop when quad.landed\nstop when quad.roll > 1 deg")), @r#""#);
+    insta::assert_snapshot!(headings(script), @r#"
+    error[E25]: this script does not say when to stop
+    = help: `stop when` alone may never end the run: write the latest time too, for example `stop 60 s`
+    "#);
+    insta::assert_snapshot!(headings(&flight("stop when quad.landed\nstop when quad.roll > 1 deg")), @r#"
+    error[E25]: `stop when` stands twice
+    = help: a script has one of it
+    "#);
 }
 
 #[test]
@@ -98,7 +117,10 @@ fn the_seed_of_faults_is_that_of_the_script() {
     assert_eq!(scenario_with(&noisy, &["seed = 7"]).seed, 7);
     assert_eq!(scenario(&wired("param seed = 3\nat 1 s { fault ctrl.state: loss 5 % }")).seed, 3);
     assert_eq!(scenario(&wired("param seed = 3\nat 1 s { fault ctrl.state: freeze }")).seed, 0);
-    insta::assert_snapshot!(headings(&wired("param seed = 0.5\nat 1 s { fault ctrl.state: noise 1 m }")), @r#""#);
+    insta::assert_snapshot!(headings(&wired("param seed = 0.5\nat 1 s { fault ctrl.state: noise 1 m }")), @r#"
+    error[E38]: the seed of `noise` and `loss` is a whole number
+    = help: write for example `param seed = 1`
+    "#);
 }
 
 #[test]
@@ -120,12 +142,55 @@ at 27 s lasting 1 s { fault quad.moment: freeze }
 at 29 s lasting 1 s { fault ctrl.state: jitter }
 at 31 s lasting 1 s { fault ctrl.state: delay 50000 s }
 at 33 s lasting 1 s { fault ctrl.state: bias 2 }";
-    insta::assert_snapshot!(headings(&wired(lines)), @r#""#);
+    insta::assert_snapshot!(headings(&wired(lines)), @r#"
+    error[E45]: there is no fault `nosie`
+    = help: did you mean `noise`?
+    error[E45]: `noise` needs a value
+    = help: write for example `noise 10 cm`
+    error[E45]: `freeze` takes no value: it holds the last one
+    = help: write `freeze`, or `loss 5 %` to hold it at times
+    error[E21]: `bias` adds to a Real, and `ctrl.armed` is none
+    = help: `loss`, `freeze` and `delay` act on values of any type
+    error[E32]: `bias` is a difference, and `2 degC` is a point on a scale
+    = help: write the difference in K, for example `2 K`
+    error[E02]: `bias` of `ctrl.state.position.x` is a length, found s
+    = help: it takes a value such as `1 m`
+    error[E38]: `noise` is a standard deviation, and `-1 m` is below zero
+    = help: write a value of zero or more
+    error[E38]: `120 %` is not a probability
+    = help: a probability is from 0 to 1, which is 100 %
+    error[E02]: expected a probability, found m
+    = help: write for example `loss 5 %`
+    error[E08]: 5 ms does not fall on the 10 ms grid
+    = help: 10 ms, or `step 5 ms`
+    error[E22]: 2 values meet 3 driven inputs
+    = help: write one value for each, or one for all of them
+    error[E04]: `quad.state` is an output and cannot be a target
+    = help: a fault acts on a connection: name the input that the connection drives
+    error[E04]: `quad.drag` is a parameter, and a fault acts on a connection
+    = help: name the input of the connection; `set` changes tunable parameters
+    error[E45]: a fault acts on a connection, and none drives `quad.moment`
+    = help: connect it, or change its value by `set`
+    error[E45]: there is no fault `jitter`
+    = help: the faults are `bias`, `noise`, `loss`, `freeze` and `delay`
+    error[E39]: this delay keeps 5000000 steps of 3 values, and at most 10000000 are kept
+    = help: shorten the delay, or write a longer `step`
+    error[E02]: `bias` of `ctrl.state.position.x` is a length, found a plain number
+    = help: write the unit: `2 m`
+    "#);
 }
 
 #[test]
 fn a_point_on_a_scale_is_no_noise() {
-    insta::assert_snapshot!(shown(&wired("at 1 s { fault heat.tempC: noise 2 degC }")), @r#""#);
+    insta::assert_snapshot!(shown(&wired("at 1 s { fault heat.tempC: noise 2 degC }")), @r#"
+    error[E32]: `noise` is a difference, and `2 degC` is a point on a scale
+      --> test.scn:13:34
+       |
+    13 | at 1 s { fault heat.tempC: noise 2 degC }
+       |                                  ^^^^^^
+       |
+       = help: write the difference in K, for example `2 K`
+    "#);
 }
 
 #[test]
@@ -136,5 +201,35 @@ at 5 s lasting 1 s { fault ctrl.state.position.x: loss 5 %, freeze }
 while quad.landed { set quad.drag = 0.1, set quad.drag = 0.2 }
 while quad.landed { set quad.wind.x = 1 m/s }
 when quad.landed lasting 1 s { set quad.wind.x = 2 m/s }";
-    insta::assert_snapshot!(shown(&wired(lines)), @r#""#);
+    insta::assert_snapshot!(shown(&wired(lines)), @r#"
+    error[E35]: two windows act on `ctrl.state.position.y` at one time
+      --> test.scn:14:26
+       |
+    13 | at 1 s lasting 2 s { fault ctrl.state: noise 1 m, loss 5 % }
+       |                                        ----- here too
+    14 | at 2 s lasting 2 s { set ctrl.state.position.y = 1 m }
+       |                          ^^^^^^^^^^^^^^^^^^^^^
+       |
+       = help: let one end before the other begins, or write both into one window
+
+    error[E35]: one window has two faults of `ctrl.state.position.x` that exclude each other
+      --> test.scn:15:61
+       |
+    15 | at 5 s lasting 1 s { fault ctrl.state.position.x: loss 5 %, freeze }
+       |                                                   ----      ^^^^^^
+       |                                                   |
+       |                                                   the other one
+       |
+       = help: leave one of them: each window has one `bias`, one `noise`, one `loss` or `freeze`, one `delay`
+
+    error[E35]: one window sets `quad.drag` twice
+      --> test.scn:16:46
+       |
+    16 | while quad.landed { set quad.drag = 0.1, set quad.drag = 0.2 }
+       |                         ---------            ^^^^^^^^^
+       |                         |
+       |                         set here too
+       |
+       = help: leave one of them
+    "#);
 }

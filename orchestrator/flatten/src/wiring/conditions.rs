@@ -59,7 +59,8 @@ impl Conditions {
             let samples = if is { memory.samples[slot] + 1 } else { 0 };
             memory.samples[slot] = samples;
             let holds = samples > condition.held_ticks;
-            memory.rises[slot] = holds && !std::mem::replace(&mut memory.holds[slot], holds);
+            let held = std::mem::replace(&mut memory.holds[slot], holds);
+            memory.rises[slot] = holds && !held;
         }
     }
 

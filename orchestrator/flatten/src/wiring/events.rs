@@ -7,9 +7,9 @@ use super::faults::{FaultMemory, FaultyInput};
 use super::feed::Computed;
 use super::groups::Group;
 use super::slot_table::SlotTable;
-use compile::Compiler;
 use crate::expression::{Moment, Stack};
 use crate::values::{Slot, Values};
+use compile::Compiler;
 use dsl::scenario::{Scenario, Trigger};
 use fmi2::description::ModelDescription;
 use serde::{Deserialize, Serialize};
@@ -46,9 +46,16 @@ struct Window {
 /// What a window brings into force: a choice, as an index among those of its target.
 #[derive(Clone, Copy, Debug)]
 enum Effect {
-    Set { target: usize, choice: usize },
+    Set {
+        target: usize,
+        choice: usize,
+    },
     /// The stage counts from that of `bias`.
-    Fault { target: usize, stage: usize, choice: usize },
+    Fault {
+        target: usize,
+        stage: usize,
+        choice: usize,
+    },
 }
 
 /// An input or tunable parameter that the script sets at some time.
