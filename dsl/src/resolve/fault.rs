@@ -147,7 +147,7 @@ impl Scope<'_, '_> {
             let error = Diagnostic::error("E32", span, message);
             return self.refuse(error.help("write the difference in K, for example `2 K`"));
         }
-        if kind == "noise" && value.constant().is_some_and(|sigma| !(sigma >= 0.0)) {
+        if kind == "noise" && value.constant().is_some_and(|sigma| sigma.is_nan() || sigma < 0.0) {
             let message = format!("`noise` is a standard deviation, and `{}` is below zero", self.text(span));
             return self.refuse(Diagnostic::error("E38", span, message).help("write a value of zero or more"));
         }

@@ -6,8 +6,8 @@ use crate::run::run_options::RunOptions;
 use crate::run::run_spec::UnitSpec;
 use ::tests::foreign::Foreign;
 use dsl::scenario::{
-    Action, BooleanExpression, Claim, Column, Connection, Drive, Event, Fault, FaultKind, Formula, Instance, Margin, Port,
-    RealExpression, Scenario, Set, TickWindow, Unit,
+    Action, BooleanExpression, Claim, Column, Connection, Drive, Event, Fault, FaultKind, Formula, Instance, Margin,
+    Port, RealExpression, Scenario, Set, TickWindow, Unit,
 };
 use std::path::PathBuf;
 use unit::archive::{Unpacked, unpack};
