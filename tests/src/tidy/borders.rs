@@ -7,7 +7,7 @@ const ALLOWED: [(&str, &[&str]); 6] = [
     ("models/Cargo.toml", &["libm", "nalgebra", "serde"]),
     ("dsl/Cargo.toml", &["annotate-snippets", "fmi2", "libm", "pest", "pest_derive", "serde", "strsim"]),
     ("fmus/fmi2/Cargo.toml", &["roxmltree", "serde", "strsim"]),
-    ("orchestrator/flatten/Cargo.toml", &["dsl", "fmi2", "libm", "results", "serde", "unit"]),
+    ("orchestrator/flatten/Cargo.toml", &["dsl", "fmi2", "libm", "results", "serde", "twox-hash", "unit"]),
     ("orchestrator/unit/Cargo.toml", &["fmi2", "libc", "libloading", "serde", "sha2", "zip", "zmij"]),
     (
         "orchestrator/results/Cargo.toml",
