@@ -65,9 +65,10 @@ fn draws_have_their_distribution() {
     let mean = |draw: &dyn Fn(u64) -> f64| (0..100_000).map(draw).sum::<f64>() / 1e5;
     let uniform = |tick| draws.uniform(0, tick);
     let normal = |tick| draws.normal(0, tick);
+    let square = |x: f64| x * x;
     assert!((0..100_000).all(|tick| (0.0..1.0).contains(&uniform(tick))));
-    assert!((mean(&uniform) - 0.5).abs() < 0.005 && (mean(&|tick| uniform(tick).powi(2)) - 1.0 / 3.0).abs() < 0.005);
-    assert!(mean(&normal).abs() < 0.01 && (mean(&|tick| normal(tick).powi(2)) - 1.0).abs() < 0.02);
+    assert!((mean(&uniform) - 0.5).abs() < 0.005 && (mean(&|tick| square(uniform(tick))) - 1.0 / 3.0).abs() < 0.005);
+    assert!(mean(&normal).abs() < 0.01 && (mean(&|tick| square(normal(tick))) - 1.0).abs() < 0.02);
     let within = (0..100_000).filter(|&tick| normal(tick).abs() < 1.0).count();
     assert!((68_000..68_600).contains(&within), "{within}");
 }
