@@ -15,7 +15,7 @@ use crate::source::FileRef;
 pub use claim::{Claim, ClaimPart, Formula, Gated, Limit, MarginUnit, TickWindow, Until};
 pub use curve::Curve;
 pub use duration::duration;
-pub use event::{Action, Event, Fault, FaultKind, Set, Trigger};
+pub use event::{Action, Condition, Event, Fault, FaultKind, Set, Stage, StopWhen, Trigger};
 pub use reads::Slots;
 pub use running::{Running, RunningKind, RunningMemory};
 use serde::{Deserialize, Serialize};
@@ -44,6 +44,10 @@ pub struct Scenario {
     pub connections: Vec<Connection>,
     /// The windows in the script's order.
     pub events: Vec<Event>,
+    /// `stop when`
+    pub stop_when: Option<StopWhen>,
+    /// The seed of the random numbers of faults; 0 where no fault draws any.
+    pub seed: i64,
     /// The conditions whose past counts, by slot.
     pub conditions: Vec<Condition>,
     /// What connections, conditions and claims use more than once; each may use those before it.
@@ -309,15 +313,6 @@ pub enum BooleanExpression {
     And(Vec<BooleanExpression>),
     /// At least one holds.
     Or(Vec<BooleanExpression>),
-}
-
-/// A condition that a run follows from sample to sample.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Condition {
-    /// What must hold.
-    pub is: BooleanExpression,
-    /// For how many ticks in a row, for `held`; 0 for `rises`.
-    pub held_ticks: u64,
 }
 
 /// An operand of `==` between discrete values.

@@ -21,6 +21,8 @@ pub fn scenario() -> Scenario {
         initialization: vec![],
         connections: vec![],
         events: vec![],
+        stop_when: None,
+        seed: 0,
         conditions: vec![],
         shared: vec![],
         claims: vec![],

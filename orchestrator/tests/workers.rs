@@ -64,6 +64,8 @@ fn scenario() -> Scenario {
         initialization: Vec::new(),
         connections: [(3, 0, false), (0, 1, false), (1, 2, true), (2, 3, false)].map(connection).to_vec(),
         events: Vec::new(),
+        stop_when: None,
+        seed: 0,
         conditions: Vec::new(),
         shared: Vec::new(),
         claims: Vec::new(),
@@ -127,7 +129,7 @@ fn run_with(program: &Path, spec: &RunSpec) -> Ran {
     while end.is_none() {
         assert!(began.elapsed() < Duration::from_secs(60), "the run ends");
         board.pop_messages(|bytes| match postcard::from_bytes(bytes).unwrap() {
-            Message::Log(_) | Message::Calls(_) | Message::Saved(_) => {}
+            Message::Log(_) | Message::Calls(_) | Message::Saved(_) | Message::Window(_) => {}
             message => end = Some(message),
         });
         sleep(Duration::from_millis(1));

@@ -140,7 +140,7 @@ fn with_record_none_claims_are_judged_and_no_rows_are_written() {
     let folder = with_script(&[], &format!("{LOW}{RECORD}"));
     let out = ramp(&folder, &["--record", "none"], 0);
     assert!(out.contains("ok  low") && !out.contains("lockstep plot"), "{out}");
-    assert_eq!(files(&folder.path().join("runs/ramp")), ["run.json", "verdict.json"]);
+    assert_eq!(files(&folder.path().join("runs/ramp")), ["events.csv", "run.json", "verdict.json"]);
 }
 
 #[test]
@@ -148,11 +148,15 @@ fn out_names_the_folder_and_an_earlier_run_in_it_is_replaced() {
     let folder = with_script(&[], RECORD);
     ramp(&folder, &["--out", "deep/down/here"], 0);
     let here = folder.path().join("deep/down/here");
-    assert_eq!(files(&here), ["run.json", "signals.json", "trace.csv", "trace.parquet", "verdict.json"]);
+    assert_eq!(files(&here), ["events.csv", "run.json", "signals.json", "trace.csv", "trace.parquet", "verdict.json"]);
     assert!(!folder.path().join("runs").exists());
     fs::write(here.join("notes.txt"), "mine").unwrap();
     ramp(&folder, &["--out", "deep/down/here", "--record", "none"], 0);
-    assert_eq!(files(&here), ["notes.txt", "run.json", "verdict.json"], "no row of the earlier run is left");
+    assert_eq!(
+        files(&here),
+        ["events.csv", "notes.txt", "run.json", "verdict.json"],
+        "no row of the earlier run is left"
+    );
 }
 
 #[test]

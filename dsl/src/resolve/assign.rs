@@ -24,6 +24,8 @@ pub(super) enum Role {
     Wire,
     /// `set`: inputs and tunable parameters.
     Set,
+    /// `fault`: inputs.
+    Fault,
     /// The braces of `fmu`: also parameters and start values.
     Preset,
 }
@@ -78,6 +80,11 @@ impl Scope<'_, '_> {
             return error
                 .help("before the run parameters, inputs and start values can be set that the unit does not compute");
         }
+        if is_parameter && role == Role::Fault {
+            let message = format!("`{name}` is a parameter, and a fault acts on a connection");
+            let help = "name the input of the connection; `set` changes tunable parameters";
+            return Diagnostic::error("E04", at.target, message).help(help);
+        }
         if is_parameter {
             let said = variable.variability.name();
             let message = format!("`{name}` cannot change during the run: its FMU says variability=\"{said}\"");
@@ -91,6 +98,7 @@ impl Scope<'_, '_> {
         let error = Diagnostic::error("E04", at.target, format!("`{name}` is {what} and cannot be a target"));
         error.help(match role {
             Role::Wire => "an arrow ends in an input",
+            Role::Fault => "a fault acts on a connection: name the input that the connection drives",
             Role::Set | Role::Preset => "`set` takes inputs and tunable parameters",
         })
     }
@@ -181,7 +189,7 @@ impl Scope<'_, '_> {
     }
 
     /// The single values of a list or group, in order.
-    fn leaves(&self, value: &Rc<Meaning>) -> Vec<Rc<Meaning>> {
+    pub fn leaves(&self, value: &Rc<Meaning>) -> Vec<Rc<Meaning>> {
         match &**value {
             Meaning::List(elements) => elements.iter().flat_map(|element| self.leaves(element)).collect(),
             Meaning::Group(group) => group.ports().map(|port| Rc::new(self.port_meaning(port))).collect(),

@@ -39,7 +39,7 @@ impl Scope<'_, '_> {
         } else if total(&windows) > MOST_STEPS_AHEAD {
             self.report(too_far((name, *span), total(&windows)));
         }
-        self.check_starts(name, &condition, (0, stop_tick.unwrap_or(u64::MAX)));
+        self.check_starts((name, *span), &condition, (0, stop_tick.unwrap_or(u64::MAX)));
         let limit = match bounds.as_slice() {
             [(bound, negated)] => bound.limit.map(|limit| Limit { upper: limit.upper != *negated, ..limit }),
             _ => None,
@@ -59,7 +59,7 @@ impl Scope<'_, '_> {
     }
 
     /// That no running value is asked for before its first time, by a condition that is asked for from a tick on.
-    fn check_starts(&self, name: &Name, condition: &Condition, (from, stop): (u64, u64)) {
+    fn check_starts(&self, name: (&str, Span), condition: &Condition, (from, stop): (u64, u64)) {
         let start = match condition {
             Condition::Plain(plain) => latest_start_of(plain),
             Condition::Bound(bound) => latest_start(&bound.margin.value),
@@ -84,9 +84,9 @@ impl Scope<'_, '_> {
         let step_ns = self.grid().map_or(0, |grid| grid.step_ns);
         let is_too_late = start > stop;
         let [from, start] = [from, start].map(|tick| duration(tick.saturating_mul(step_ns)));
-        let claim = &name.word.text;
+        let (claim, span) = name;
         let message = format!("`{claim}` asks from {from} on for a running value that there is from {start} on");
-        let error = Diagnostic::error("E09", name.span, message);
+        let error = Diagnostic::error("E09", span, message);
         self.report(if is_too_late {
             error.help(format!("give it an earlier first time, or write `stop {start}`"))
         } else {

@@ -10,7 +10,7 @@ use super::Request;
 use super::findings::Findings;
 use super::frame::{FrameId, Placed};
 use super::scope::{Scope, Shared};
-use super::script::{ClaimLine, Declaration, Declared, RESERVED, Script, Wire, not_yet};
+use super::script::{ClaimLine, Declaration, Declared, Opens, RESERVED, Script, Wire, not_yet};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::syntax::{self, Expression, Name, Statement, StatementKind, Word};
@@ -71,8 +71,7 @@ impl<'a> Elaboration<'a> {
             StatementKind::Step(step) => once(&mut script.step, step, |value| value.span, "step", found),
             StatementKind::Stop(stop) => once(&mut script.stop, stop, |value| value.span, "stop", found),
             StatementKind::StopWhen { .. } => {
-                script.stop_refused = true;
-                found.push(not_yet(statement.span, "`stop when`"));
+                once(&mut script.stop_when, statement, |statement| statement.span, "stop when", found);
             }
             StatementKind::Param(part) => {
                 if frame != file {
@@ -90,9 +89,9 @@ impl<'a> Elaboration<'a> {
             StatementKind::Fmu(part) => self.instance(frame, part),
             StatementKind::Use(part) => self.part(frame, part),
             StatementKind::For { variable, range, body } => self.rounds(frame, variable, range, body),
-            StatementKind::At(part) => script.windows.push(Placed { frame, part }),
-            StatementKind::When(_) => found.push(not_yet(statement.span, "`when`")),
-            StatementKind::While(_) => found.push(not_yet(statement.span, "`while`")),
+            StatementKind::At(window) => script.windows.push(Placed { frame, part: (Opens::At, window) }),
+            StatementKind::When(window) => script.windows.push(Placed { frame, part: (Opens::When, window) }),
+            StatementKind::While(window) => script.windows.push(Placed { frame, part: (Opens::While, window) }),
             StatementKind::Assert { name, claim } => self.claim(frame, name, claim),
             StatementKind::Record { signals, every } => {
                 script.has_record = true;
@@ -245,9 +244,14 @@ impl<'a> Elaboration<'a> {
         );
         missing(script.step.is_some(), "this script does not say its `step`", "write for example `step 10 ms`");
         missing(
-            script.stop.is_some() || script.stop_refused,
+            script.stop.is_some(),
             "this script does not say when to stop",
-            "write for example `stop 60 s`",
+            match script.stop_when {
+                None => "write for example `stop 60 s`",
+                Some(_) => {
+                    "`stop when` alone may never end the run: write the latest time too, for example `stop 60 s`"
+                }
+            },
         );
     }
 }

@@ -1,71 +1,106 @@
-//! `at` windows: what they set, and that no two touch one port.
-
-use std::collections::BTreeMap;
+//! `at`, `when`, `while` and `stop when`: what opens and closes windows, and what happens in them.
 
 use super::assign::Role;
 use super::fit::{Fitted, Meeting};
-use super::frame::Placed;
+use super::frame::{FrameId, Placed};
 use super::grid::Least;
+use super::overlap::Touch;
 use super::scope::Scope;
-use super::script::not_yet;
+use super::script::Opens;
 use crate::diagnostic::Diagnostic;
-use crate::scenario::{Event, Port, Set};
+use crate::scenario::{Action, Condition, Event, Set, StopWhen, Trigger};
 use crate::source::Span;
-use crate::syntax::{Action, Expression, Path, Window};
+use crate::syntax::{self, Expression, Path, StatementKind, Window};
 
-/// One port under one `set`.
-#[derive(Clone, Copy)]
-struct Touch {
-    port: Port,
-    from: u64,
-    until: Option<u64>,
-    span: Span,
-    /// Index of the window in the script.
-    window: usize,
-    /// Index of the `set` among those of all windows.
-    set: usize,
-}
+/// When a window opens, and for how many ticks.
+type Timing = (Trigger, Option<u64>);
 
 impl Scope<'_, '_> {
     /// The windows in the script's order.
     pub fn events(&self, stop_tick: Option<u64>) -> Vec<Event> {
-        let mut touches: Vec<Touch> = Vec::new();
-        let mut events = Vec::new();
-        let mut sets_before = 0;
-        for (index, &Placed { frame, part: window }) in self.script.windows.iter().enumerate() {
+        let (mut touches, mut events, mut actions_before) = (Vec::new(), Vec::new(), 0);
+        for (index, &Placed { frame, part: (opens, window) }) in self.script.windows.iter().enumerate() {
             let scope = self.at(frame);
-            let times = scope.times(window, stop_tick);
-            let mut sets = Vec::new();
-            for action in &window.actions {
-                match action {
-                    Action::Fault { span, .. } => self.report(not_yet(*span, "`fault`")),
-                    Action::Set { target, value, .. } => {
-                        let assigned = scope.set(target, value);
-                        if let Some((from, until)) = times {
-                            let (span, window, set) = (target.span, index, sets_before);
-                            let touch = |set_: &Set| Touch { port: set_.target, from, until, span, window, set };
-                            touches.extend(assigned.iter().map(touch));
-                        }
-                        sets_before += 1;
-                        sets.extend(assigned);
-                    }
-                }
+            let timing = scope.timing(opens, window, stop_tick);
+            let (mut actions, mut own_touches) = (Vec::new(), Vec::new());
+            // When a condition opens windows is known in the run only; here such a window can clash with itself.
+            let (from, until) = match timing {
+                Some((Trigger::At(from), lasting)) => (from, lasting.map(|ticks| from.saturating_add(ticks))),
+                _ => (0, None),
+            };
+            for (span, made) in window.actions.iter().flat_map(|action| scope.actions(action)) {
+                let touch = |action: &Action, port| Touch {
+                    port,
+                    stage: action.stage(),
+                    from,
+                    until,
+                    span,
+                    window: index,
+                    action: actions_before,
+                };
+                own_touches.extend(
+                    made.iter().flat_map(|action| action.targets().iter().map(move |&port| touch(action, port))),
+                );
+                actions_before += 1;
+                actions.extend(made);
             }
-            if let Some((from, until)) = times {
-                events.push(Event::at(from, until.map(|until| until - from), sets));
+            let Some((trigger, lasting)) = timing else { continue };
+            match trigger {
+                Trigger::At(_) => touches.extend(own_touches),
+                Trigger::When(_) | Trigger::While(_) => self.check_overlap(&own_touches),
             }
+            let (statement, condition) = (self.statement(window.trigger.span), self.window_text(window));
+            events.push(Event { trigger, lasting, actions, statement, condition });
         }
         self.check_overlap(&touches);
         events
     }
 
-    fn times(&self, window: &Window, stop_tick: Option<u64>) -> Option<(u64, Option<u64>)> {
-        let from = self.ticks(&window.trigger, Least::Zero);
+    /// `stop when`
+    pub fn stop_when(&self) -> Option<StopWhen> {
+        let StatementKind::StopWhen { condition, held } = &self.script.stop_when?.kind else { return None };
+        let slot = self.at(FrameId::SCRIPT).followed(condition, held.as_ref())?;
+        Some(StopWhen { condition: slot, text: self.with_held(condition, held.as_ref()) })
+    }
+
+    /// What one action of the script does, with the place that errors point to; each kind of a `fault` is by itself.
+    fn actions(&self, action: &syntax::Action) -> Vec<(Span, Vec<Action>)> {
+        match action {
+            syntax::Action::Set { target, value, .. } => {
+                vec![(target.span, self.set(target, value).into_iter().map(Action::Set).collect())]
+            }
+            syntax::Action::Fault { target, kinds, .. } => {
+                let faults = self.faults(target, kinds).into_iter();
+                faults.map(|(span, fault)| (span, vec![Action::Fault(fault)])).collect()
+            }
+        }
+    }
+
+    fn timing(&self, opens: Opens, window: &Window, stop_tick: Option<u64>) -> Option<Timing> {
+        let trigger = match opens {
+            Opens::At => self.opening(window, stop_tick).map(Trigger::At),
+            Opens::When => self.followed(&window.trigger, window.held.as_ref()).map(Trigger::When),
+            Opens::While => self.followed(&window.trigger, window.held.as_ref()).map(Trigger::While),
+        };
         let lasting = match &window.lasting {
             Some(lasting) => self.ticks(lasting, Least::OneTick).map(Some),
             None => Some(None),
         };
-        let (from, lasting) = (from?, lasting?);
+        Some((trigger?, lasting?))
+    }
+
+    /// The slot of a condition that must have held for a time.
+    fn followed(&self, condition: &Expression, held: Option<&Expression>) -> Option<usize> {
+        let held_ticks = match held {
+            Some(held) => self.ticks(held, Least::OneTick),
+            None => Some(0),
+        };
+        let is = self.condition(condition).and_then(|meant| self.momentary(&meant, condition.span));
+        Some(self.condition_slot(Condition { is: is?, held_ticks: held_ticks? }))
+    }
+
+    fn opening(&self, window: &Window, stop_tick: Option<u64>) -> Option<u64> {
+        let from = self.ticks(&window.trigger, Least::Zero)?;
         if let Some(stop) = stop_tick.filter(|&stop| from >= stop) {
             let at = self.text(window.trigger.span);
             let when = if from == stop { "opens when the run ends" } else { "opens after the run has ended" };
@@ -76,7 +111,7 @@ impl Scope<'_, '_> {
             };
             self.report(warning.help("nothing will come of it: choose an earlier time or a later `stop`"));
         }
-        Some((from, lasting.map(|ticks| from.saturating_add(ticks))))
+        Some(from)
     }
 
     fn set(&self, target: &Path, value: &Expression) -> Vec<Set> {
@@ -100,54 +135,18 @@ impl Scope<'_, '_> {
         sets
     }
 
-    /// Refuses two windows that are open at one time over one port, reported once for a `set`; `touches` are in the script's
-    /// order.
-    fn check_overlap(&self, touches: &[Touch]) {
-        let mut by_port: BTreeMap<Port, Vec<Touch>> = BTreeMap::new();
-        for touch in touches {
-            by_port.entry(touch.port).or_default().push(*touch);
-        }
-        by_port.retain(|_, touches| may_clash(touches));
-        let mut last_refused = None;
-        for late in touches.iter().filter(|late| by_port.contains_key(&late.port)) {
-            if last_refused == Some(late.set) {
-                continue;
-            }
-            let mut before = by_port[&late.port].iter().take_while(|early| early.set < late.set);
-            if let Some(early) = before.find(|early| clashes(early, late)) {
-                last_refused = Some(late.set);
-                let message = format!("two windows set `{}` at one time", self.port_name(late.port));
-                let error = Diagnostic::error("E35", late.span, message).label(early.span, "set here too");
-                self.report(error.help("let one end before the other begins, or set it in one place"));
-            }
-        }
+    /// The name of the file without its folders, so that results are the same wherever the script is, and the line.
+    fn statement(&self, span: Span) -> String {
+        let name = &self.request.sources.of(span).name;
+        format!("{}:{}", name.rsplit('/').next().unwrap_or(name), self.line(span))
     }
-}
 
-/// Whether any two `set`s of one port may clash: whether one opens before another has ended, or with it.
-fn may_clash(touches: &[Touch]) -> bool {
-    let mut in_time: Vec<_> = touches.iter().map(|touch| (touch.from, touch.until)).collect();
-    in_time.sort_unstable();
-    let mut last_end = 0;
-    in_time.iter().enumerate().any(|(at, (from, until))| {
-        let ended = last_end;
-        last_end = last_end.max(until.unwrap_or_default());
-        at > 0 && (*from < ended || in_time[at - 1].0 == *from)
-    })
-}
+    fn window_text(&self, window: &Window) -> String {
+        self.with_held(&window.trigger, window.held.as_ref())
+    }
 
-/// A `set` that stays is no window: a later one replaces it, and a window over it returns to it.
-fn clashes(early: &Touch, late: &Touch) -> bool {
-    if early.port != late.port {
-        return false;
-    }
-    if early.window == late.window {
-        return true;
-    }
-    match (early.until, late.until) {
-        (Some(early_end), Some(late_end)) => early.from < late_end && late.from < early_end,
-        (Some(end), None) => early.from <= late.from && late.from < end,
-        (None, Some(end)) => late.from < early.from && early.from < end,
-        (None, None) => false,
+    fn with_held(&self, condition: &Expression, held: Option<&Expression>) -> String {
+        let text = self.text(condition.span);
+        held.map_or(text.clone(), |held| format!("{text} held {}", self.text(held.span)))
     }
 }

@@ -15,7 +15,7 @@ use super::scope::Scope;
 use super::script::not_yet;
 use crate::diagnostic::{Diagnostic, Edit};
 use crate::nearest::nearest;
-use crate::scenario::{BooleanExpression, Function};
+use crate::scenario::{self, BooleanExpression, Function};
 use crate::source::{FileRef, Span};
 use crate::syntax::{Expression, Operator, Word};
 
@@ -247,7 +247,8 @@ impl Scope<'_, '_> {
         let [(condition, span)] = self.count(call)?;
         let condition = self.as_condition(&condition, span)?;
         let condition = self.momentary(&condition, span)?;
-        Some(Meaning::plain(BooleanExpression::Rises(self.rises_slot(condition))))
+        let slot = self.condition_slot(scenario::Condition { is: condition, held_ticks: 0 });
+        Some(Meaning::plain(BooleanExpression::Rises(slot)))
     }
 
     /// A condition that is judged at one point in time.

@@ -41,6 +41,7 @@
 //! | E38 | a number out of range |
 //! | E39 | a value that is too large or too deeply nested to be meant |
 //! | E40 | a file that a unit cannot be given, or a table that cannot be read |
+//! | E45 | a fault that does not exist, lacks its value, or acts on no connection |
 //! | W01 | a value is passed to a variable that declares no unit, or one that its description does not define |
 //! | W02 | inputs without driver and without a value in the script |
 //! | W03 | two instances of one unit draw the same random numbers |
@@ -70,6 +71,7 @@ mod elaborate;
 mod event;
 mod experiment;
 mod expression;
+mod fault;
 mod findings;
 mod fit;
 mod frame;
@@ -81,6 +83,7 @@ mod limits;
 mod literal;
 mod meaning;
 mod measure;
+mod overlap;
 mod parameter;
 mod path;
 mod preset;
@@ -163,6 +166,8 @@ fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
     let periods = scope.periods();
     let connections = scope.connections(periods.as_deref());
     let events = scope.events(stop_tick);
+    let stop_when = scope.stop_when();
+    let seed = scope.fault_seed(&events);
     let claims = scope.claims(stop_tick);
     let columns = scope.columns(&connections, &claims);
     let waves = scope.waves(&connections);
@@ -195,6 +200,8 @@ fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
         initialization,
         connections: connections.into_iter().map(|wired| wired.connection).collect(),
         events,
+        stop_when,
+        seed: seed?,
         conditions: Vec::new(),
         shared: Vec::new(),
         claims,

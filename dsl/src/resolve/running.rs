@@ -130,7 +130,7 @@ fn has_rises(condition: &B) -> bool {
 /// The tick of the last first sample of the running values in an expression, with the step in seconds; `None` without any.
 pub(super) fn latest_start(value: &E) -> Option<(u64, f64)> {
     match value {
-        E::Constant(_) | E::Signal(_) | E::Time | E::Shared(_) => None,
+        E::Constant(_) | E::Signal(_) | E::Time | E::Shared(_) | E::Curve(_) => None,
         E::Affine { of, .. } | E::InverseAffine { of, .. } | E::Negate(of) => latest_start(of),
         E::Add(left, right) | E::Subtract(left, right) | E::Multiply(left, right) | E::Divide(left, right) => {
             later(latest_start(left), latest_start(right))

@@ -22,7 +22,7 @@ use super::unit::Unit;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
 use crate::parse::symbols;
-use crate::scenario::{BooleanExpression, Condition, Port};
+use crate::scenario::{Condition, Port};
 use crate::source::Span;
 use crate::spelling;
 use crate::syntax::{Binding, Expression, Word};
@@ -139,11 +139,11 @@ impl<'a> Shared<'a> {
         self.findings.borrow().has_error()
     }
 
-    /// Keeps a condition of `rises` and returns its slot.
-    pub fn rises_slot(&self, condition: BooleanExpression) -> usize {
+    /// Keeps a condition that a run follows and returns its slot.
+    pub fn condition_slot(&self, condition: Condition) -> usize {
         let Conditions { by_slot, slots } = &mut *self.conditions.borrow_mut();
         *slots.entry(format!("{condition:?}")).or_insert_with(|| {
-            by_slot.push(Condition { is: condition, held_ticks: 0 });
+            by_slot.push(condition);
             by_slot.len() - 1
         })
     }

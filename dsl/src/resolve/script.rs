@@ -11,7 +11,7 @@ use crate::diagnostic::Diagnostic;
 use crate::loader::Problem;
 use crate::scenario;
 use crate::source::Span;
-use crate::syntax::{self, Arrow, Binding, Expression, Path, Window, Word};
+use crate::syntax::{self, Arrow, Binding, Expression, Path, Statement, Window, Word};
 
 /// The statements of a script by kind, each in the file's order.
 #[derive(Debug, Default)]
@@ -22,8 +22,8 @@ pub(super) struct Script<'a> {
     pub step: Option<&'a Expression>,
     /// `stop`
     pub stop: Option<&'a Expression>,
-    /// Whether there is a `stop` that was refused.
-    pub stop_refused: bool,
+    /// `stop when`
+    pub stop_when: Option<&'a Statement>,
     /// `param`
     pub parameters: Vec<Placed<&'a Binding>>,
     /// `let`
@@ -32,8 +32,8 @@ pub(super) struct Script<'a> {
     pub instances: Vec<Declared<'a>>,
     /// `->` and `=>`
     pub wires: Vec<Placed<Wire<'a>>>,
-    /// `at`
-    pub windows: Vec<Placed<&'a Window>>,
+    /// `at`, `when` and `while`
+    pub windows: Vec<Placed<(Opens, &'a Window)>>,
     /// `assert`
     pub claims: Vec<Placed<ClaimLine<'a>>>,
     /// The paths of `record`, each with the `every` of its line.
@@ -54,6 +54,17 @@ pub(super) struct Script<'a> {
 
 /// The place of a unit in the order of first use, and what it says about itself.
 pub(super) type Found = (usize, Result<Rc<Unit>, Problem>);
+
+/// The statements that open windows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Opens {
+    /// `at`
+    At,
+    /// `when`
+    When,
+    /// `while`
+    While,
+}
 
 /// A unit under a name.
 #[derive(Debug)]

@@ -153,8 +153,9 @@ fn expressions(scenario: &mut Scenario, visit: &mut dyn FnMut(&mut E)) {
     };
     scenario.connections.iter_mut().for_each(|connection| drive(&mut connection.source, visit));
     for action in scenario.events.iter_mut().flat_map(|event| &mut event.actions) {
-        if let Action::Set(set) = action {
-            drive(&mut set.value, visit);
+        match action {
+            Action::Set(set) => drive(&mut set.value, visit),
+            Action::Fault(fault) => fault.kind.values_mut().iter_mut().for_each(&mut *visit),
         }
     }
     scenario.conditions.iter_mut().for_each(|condition| of_condition(&mut condition.is, visit));

@@ -101,7 +101,7 @@ impl Scope<'_, '_> {
         let together = [Edit::before(body.span, "("), Edit::after(body.span, ")")];
         let error = error.help(format!("write `{head} ({inside})`{apart}"));
         let error = error.fix(format!("write `{head} ({inside})`"), together);
-        match parts.first() {
+        match first {
             Some(first) => {
                 let whole = Span { end: first.span.end, ..span };
                 error

@@ -11,7 +11,7 @@
 #[expect(dead_code, reason = "shared with the other benchmarks")]
 mod peer;
 
-use flatten::wiring::{InputLimits, Plan};
+use flatten::wiring::{Change, InputLimits, Plan};
 use orchestrator::run::run_options::RunOptions;
 use orchestrator::run::start_values::StartValues;
 use orchestrator::run::step_loop::{Checkpoint, Observer, StepLoop};
@@ -96,5 +96,6 @@ impl Observer for BoardOnly<'_> {
         Ok(())
     }
     fn missed_limits(&mut self, _: &InputLimits, _: f64, _: u64) {}
+    fn window(&mut self, _: Change) {}
     fn claim(&mut self, _: usize, _: Standing) {}
 }

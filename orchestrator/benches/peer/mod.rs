@@ -106,6 +106,8 @@ impl Unit {
             initialization: Vec::new(),
             connections: links.flat_map(link).collect(),
             events: Vec::new(),
+            stop_when: None,
+            seed: 0,
             conditions: Vec::new(),
             shared: Vec::new(),
             claims: Vec::new(),

@@ -110,6 +110,8 @@ mod tests {
             initialization: vec![],
             connections: vec![],
             events: vec![],
+            stop_when: None,
+            seed: 0,
             conditions: vec![],
             shared: vec![],
             claims: vec![],

@@ -6,6 +6,8 @@ pub mod claims;
 pub mod columns;
 pub mod expression;
 pub mod graph;
+pub mod listing;
 pub mod running;
 pub mod values;
+pub mod variable_text;
 pub mod wiring;

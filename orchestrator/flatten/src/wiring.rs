@@ -4,15 +4,19 @@
 //! base type, ordered by group, instance and variable, so that a group's values are one range and one call per type sets
 //! or reads an instance's values. Next on the walk: `step_loop.rs`.
 
+mod conditions;
 mod events;
+mod faults;
 mod feed;
 mod groups;
 mod initial;
 mod limits;
+mod random;
 mod row_layout;
 mod slot_table;
 
-pub use events::{Change, Effect, Override, OverrideState, Overrides};
+pub use conditions::{Conditions, ConditionsMemory};
+pub use events::{Change, Events, EventsMemory};
 pub use feed::{Computed, CopyRange, Feed};
 pub use groups::Group;
 pub use initial::InitialCall;
@@ -52,14 +56,16 @@ pub struct Plan {
     pub delayed: Vec<Feed>,
     /// For each group, what its `=>` connections bring, computed from the latest results.
     pub direct: Vec<Feed>,
-    /// The inputs that a `set` can override.
-    pub overrides: Overrides,
+    /// The windows of `at`, `when` and `while`.
+    pub events: Events,
+    /// The slot of the condition that ends the run.
+    pub stop_when: Option<usize>,
     /// The inputs whose values can miss the limits that their units declare.
     pub limits: LimitChecks,
     /// The calls of initialization, in their order.
     pub initialization: Vec<InitialCall>,
-    /// The conditions of `rises`.
-    pub rises: Vec<Program>,
+    /// What is followed from sample to sample.
+    pub conditions: Conditions,
     /// What several connections, conditions and claims use.
     pub shared: Vec<Program>,
     /// Those of them that sum up samples.
@@ -82,7 +88,7 @@ pub struct Plan {
 pub struct Wave {
     /// The groups.
     pub groups: Range<usize>,
-    /// Whether a `=>` or a `set` ever drives an input of one of them.
+    /// Whether a `=>`, a `set` or a fault ever acts on an input of one of them.
     pub is_fed: bool,
     /// Whether a `=>` ever reads an output of one of them in the tick in which its step is ordered.
     pub is_read: bool,
@@ -116,10 +122,10 @@ impl Plan {
             }
             by_group.iter().map(|connections| Feed::new(connections, &table)).collect()
         });
-        let overrides = Overrides::new(scenario, &groups, &table);
+        let events = Events::new(scenario, descriptions, &groups, &table);
         let limits = LimitChecks::new(scenario, descriptions, groups.len(), &table);
         let wave = |range: Range<usize>| Wave {
-            is_fed: range.clone().any(|group| !direct[group].is_empty() || !overrides.of_group[group].is_empty()),
+            is_fed: range.clone().any(|group| !direct[group].is_empty() || events.act_on(group)),
             is_read: groups[range.clone()].iter().any(|group| !group.read_every.is_empty()),
             is_limited: limits.of_group[range.clone()].iter().any(|checks| !checks.is_empty()),
             groups: range,
@@ -130,9 +136,7 @@ impl Plan {
         let shared_of_wave = waves.iter().map(|wave| used(&shared, &direct[wave.groups.clone()])).collect();
         let initialization = initial::calls(scenario, descriptions, (&table, &limits), &shared, worker_of);
         let ports = table.take_ports();
-        let rises = scenario.conditions.iter();
-        let rises =
-            rises.map(|condition| Program::compile_condition(&condition.is, &mut |port| table.read(port))).collect();
+        let conditions = Conditions::new(&scenario.conditions, &mut |port| table.read(port));
         Self {
             step_ns: scenario.step_ns,
             start_tick: scenario.start_tick,
@@ -146,11 +150,12 @@ impl Plan {
             waves,
             delayed,
             direct,
-            overrides,
+            events,
+            stop_when: scenario.stop_when.as_ref().map(|stop| stop.condition),
             limits,
             initialization,
-            rises,
             running: RunningValues::new(&scenario.shared),
+            conditions,
             shared,
             shared_of_wave,
             inputs,

@@ -33,8 +33,10 @@ impl CallLog {
 
 impl Sink for CallLog {
     fn event(&mut self, event: Event<'_>) -> Result<(), TraceError> {
-        let Event::Calls { instance, piece } = event;
-        if instance == self.instance { self.add(piece) } else { Ok(()) }
+        match event {
+            Event::Calls { instance, piece } if instance == self.instance => self.add(piece),
+            Event::Calls { .. } | Event::Window(_) => Ok(()),
+        }
     }
 
     fn save(&mut self) -> Result<(), TraceError> {

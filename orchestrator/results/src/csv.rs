@@ -180,8 +180,8 @@ fn real_text(digits: &mut zmij::Buffer, value: f64) -> &[u8] {
     text.strip_suffix(b".0").unwrap_or(text)
 }
 
-/// A name as it stands in the header: quoted where a comma, a quote or a line break would mislead a reader.
-fn quoted(name: &str) -> String {
+/// A text as it stands in a cell: quoted where a comma, a quote or a line break would mislead a reader.
+pub(crate) fn quoted(name: &str) -> String {
     if name.contains([',', '"', '\n', '\r']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
 }
 

@@ -12,6 +12,7 @@ pub mod call_log;
 pub mod checkpoint;
 pub mod csv;
 pub mod diff;
+pub mod events;
 pub mod graph;
 pub mod parquet;
 pub mod plot;

@@ -3,8 +3,9 @@
 use super::TraceError;
 use super::call_log::CallLog;
 use super::csv::TraceFile;
+use super::events::EventsFile;
 use super::parquet::ParquetFile;
-use super::run_folder::{RunFolder, SIGNALS_JSON, TRACE_CSV, TRACE_PARQUET};
+use super::run_folder::{EVENTS_CSV, RunFolder, SIGNALS_JSON, TRACE_CSV, TRACE_PARQUET};
 use super::run_record::RunState;
 use super::signals::{self, Signal};
 use super::sink::{Event, Sink};
@@ -56,6 +57,15 @@ impl Recorder {
         if formats.parquet {
             self.add(Box::new(ParquetFile::begin(folder.begin(TRACE_PARQUET)?, step_ns, signals)?));
         }
+        Ok(())
+    }
+
+    /// Begins the file of the script's windows.
+    ///
+    /// # Errors
+    /// The file cannot be written; the error names it.
+    pub fn begin_events(&mut self, folder: &RunFolder) -> Result<(), TraceError> {
+        self.add(Box::new(EventsFile::begin(folder.begin(EVENTS_CSV)?)?));
         Ok(())
     }
 

@@ -15,6 +15,8 @@ pub const RUN_JSON: &str = "run.json";
 pub const TRACE_CSV: &str = "trace.csv";
 /// The recorded rows by columns.
 pub const TRACE_PARQUET: &str = "trace.parquet";
+/// When windows of the script opened and closed.
+pub const EVENTS_CSV: &str = "events.csv";
 /// The description of each column of the trace.
 pub const SIGNALS_JSON: &str = "signals.json";
 /// The verdicts on the claims.
@@ -29,7 +31,7 @@ pub const PLOT_SVG: &str = "plot.svg";
 const LONGEST_RECORD: u64 = 64 << 20;
 
 /// The files of a run besides its record; those of an earlier run are removed before a new one begins.
-const RESULTS: [&str; 5] = [TRACE_CSV, TRACE_PARQUET, SIGNALS_JSON, VERDICT_JSON, PLOT_SVG];
+const RESULTS: [&str; 6] = [TRACE_CSV, TRACE_PARQUET, EVENTS_CSV, SIGNALS_JSON, VERDICT_JSON, PLOT_SVG];
 
 /// A folder that this run has locked until the value is dropped.
 #[derive(Debug)]

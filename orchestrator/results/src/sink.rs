@@ -1,6 +1,7 @@
 //! The trait of those that take what a run yields: each format of the results, and the live values.
 
 use super::TraceError;
+use super::events::WindowChange;
 use super::run_record::RunState;
 use std::fmt::Debug;
 
@@ -14,6 +15,8 @@ pub enum Event<'a> {
         /// Text that may end within a line.
         piece: &'a [u8],
     },
+    /// A window of the script opened or closed.
+    Window(&'a WindowChange),
 }
 
 /// Takes the rows and events of a run. After an error it is called no more: it is dropped, as every sink of a run whose

@@ -1,5 +1,6 @@
 //! `verdict.json`: the verdicts on the claims, each with the margin by which the claim held or failed.
 
+use crate::events::WindowChange;
 use crate::run_record::Parameter;
 use serde::Serialize;
 use unit::time::seconds;
@@ -132,6 +133,9 @@ pub struct VerdictFile {
     pub end: String,
     /// The claims in the script's order.
     pub claims: Vec<JudgedClaim>,
+    /// The windows that opened and closed, in order; left out where the script has none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub events: Vec<WindowChange>,
 }
 
 /// One claim.
@@ -309,6 +313,7 @@ pub(crate) mod tests {
             time_s: 4.2,
             end: "`quad` terminated".to_owned(),
             claims: claims.iter().map(|(claim, standing)| JudgedClaim::new(claim, standing, 10_000_000)).collect(),
+            events: Vec::new(),
         };
         assert_eq!(verdict.count(), Count { ok: 1, unjudged: 1, ..Count::default() });
         insta::assert_snapshot!(verdict.json());

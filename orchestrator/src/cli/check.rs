@@ -1,6 +1,5 @@
 //! `lockstep check`: everything that is wrong with scripts and units, before anything runs.
 
-mod plan;
 mod unit_file;
 mod unit_run;
 
@@ -10,6 +9,7 @@ use crate::find::preparation::{self, Refusal};
 use crate::find::script::Script;
 use dsl::diagnostic::Severity;
 use dsl::scenario::Scenario;
+use flatten::listing;
 use fmi2::description::ModelDescription;
 use fmi2::printable;
 use results::report;
@@ -173,7 +173,7 @@ fn of_script(script: &Script, colour: bool) -> Checked {
         ..Checked::default()
     };
     let Some(scenario) = &script.scenario else { return checked };
-    Checked { facts: facts(scenario), details: plan::text(scenario, &descriptions(script, scenario)), ..checked }
+    Checked { facts: facts(scenario), details: listing::text(scenario, &descriptions(script, scenario)), ..checked }
 }
 
 fn facts(scenario: &Scenario) -> String {

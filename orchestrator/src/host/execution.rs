@@ -124,6 +124,9 @@ fn begin_files(folder: &RunFolder, spec: &RunSpec) -> Result<Recorder, TraceErro
         let signals: Vec<_> = std::iter::once(signals::time()).chain(columns).collect();
         recorder.begin_rows(folder, spec.scenario.step_ns, &signals, spec.options.formats)?;
     }
+    if !spec.scenario.events.is_empty() {
+        recorder.begin_events(folder)?;
+    }
     let instances = spec.scenario.instances.iter().enumerate();
     for (index, instance) in instances.filter(|(_, instance)| spec.options.logs_calls_of(&instance.name)) {
         recorder.begin_calls(folder, index, &instance.name)?;
@@ -143,6 +146,7 @@ fn verdict(scenario: &Scenario, record: &RunRecord, script: &str, end: String, e
         claims: claims
             .map(|(claim, standing)| JudgedClaim::new(&claims::info(claim), standing, scenario.step_ns))
             .collect(),
+        events: ended.events.clone(),
     }
 }
 
@@ -193,6 +197,7 @@ mod tests {
                 time_s: 0.1,
                 end: "the end".to_owned(),
                 claims: Vec::new(),
+                events: Vec::new(),
             };
             let error = leave(&mut folder, &mut record, &verdict).unwrap_err();
             let message = earlier.map_or(error.to_string(), |failure| failure.to_string());

@@ -3,6 +3,7 @@
 //! Whatever a unit does to the stepping process, this process has the rows up to then and the call in progress. Where each
 //! instance has a process of its own, the loop runs in a thread of this one, and all else is the same.
 
+mod checkpoints;
 mod log_lines;
 mod log_order;
 mod post_mortem;
@@ -11,29 +12,29 @@ mod stepping_process;
 mod terms;
 #[cfg(test)]
 mod tests;
+mod windows;
 
 use crate::host::watchdog::Watchdog;
 use crate::run::interruption;
 use crate::run::message::{Finish, Message, Reason};
 use crate::run::run_spec::RunSpec;
-use fmi2::printable;
 use log_lines::LogLines;
 use log_order::LogOrder;
 pub use post_mortem::{cause_of_death, failure};
 use results::TraceError;
 use results::checkpoint::Saving;
+use results::events::WindowChange;
 use results::recorder::Recorder;
 use results::report::console::Console;
 use results::report::progress::Progress;
-use results::shortest_decimal;
 use results::sink::Event;
 use standings::standing_claims;
 pub(crate) use standings::standings;
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
+use std::thread;
 use std::time::{Duration, Instant};
-use std::{fs, thread};
 pub use stepping_process::SUBCOMMAND;
 use stepping_process::SteppingProcess;
 pub use terms::{BeginLive, RunEnd, StartWorkers, Stepping, SuperviseError};
@@ -145,6 +146,7 @@ struct Supervision<'a, W: Write> {
     repeated: Option<u64>,
     finish: Option<Finish>,
     failure: Option<Failure>,
+    events: Vec<WindowChange>,
     interrupts: usize,
 }
 
@@ -178,6 +180,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             repeated: None,
             finish: None,
             failure: None,
+            events: Vec::new(),
             interrupts: 0,
         }
     }
@@ -226,6 +229,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             Message::Calls(call) => {
                 return self.recorder.event(Event::Calls { instance: call.instance, piece: &call.bytes });
             }
+            Message::Window(change) => return self.window(change),
             Message::Finished(finish) => self.finish = Some(finish),
             // A failure after the user killed the run is a consequence of that.
             Message::Broken(_) if self.interrupts > 1 => {}
@@ -234,49 +238,10 @@ impl<'a, W: Write> Supervision<'a, W> {
         Ok(())
     }
 
-    /// Writes the checkpoints of a tick; those that are stored a second time have the rows that followed.
-    fn store(&mut self, tick: u64) -> Result<(), TraceError> {
-        let Some(save) = self.spec.saves.iter().find(|save| save.tick == tick) else { return Ok(()) };
-        let again = self.kept.contains(&tick);
-        // The stepping process may replace the file at any time.
-        let taken = save.file.with_extension("taken");
-        match fs::rename(&save.file, &taken) {
-            // What was taken for the first time had the rows already.
-            Err(error) if again && error.kind() == io::ErrorKind::NotFound => return Ok(()),
-            moved => moved.map_err(TraceError::io("rename", &save.file))?,
-        }
-        let checkpoint = fs::read(&taken).map_err(TraceError::io("read", &taken))?;
-        for file in self.saving.files_at(tick) {
-            self.saving.write(file, &checkpoint)?;
-            if !again {
-                let time = shortest_decimal(seconds(tick, self.spec.scenario.step_ns));
-                self.console.say(&format!("saved {} at {time} s", printable::path(file)));
-            }
-        }
-        if !again {
-            self.kept.push(tick);
-        }
-        fs::remove_file(&taken).map_err(TraceError::io("remove", &taken))
-    }
-
     /// A file cannot be written, so the run ends; rows that wait to be written to others are, as far as that can be.
     fn give_up(&mut self, error: TraceError) -> SuperviseError {
         self.recorder.save().ok();
         SuperviseError::unwritten(self.failure.take(), error)
-    }
-
-    /// Prints which checkpoints were not written.
-    fn report_unsaved(&mut self, last_tick: u64) {
-        let time = |tick| shortest_decimal(seconds(tick, self.spec.scenario.step_ns));
-        for (tick, file) in self.saving.files.iter().filter(|(tick, _)| !self.kept.contains(tick)) {
-            let ended = if self.failure.is_some() { "broke" } else { "ended" };
-            let why = if last_tick > *tick {
-                format!("a step that was under way at {} s failed", time(*tick))
-            } else {
-                format!("the run {ended} at {} s and was to be saved at {} s", time(last_tick), time(*tick))
-            };
-            self.console.say(&format!("warning: {} was not saved: {why}", printable::path(file)));
-        }
     }
 
     fn print_all_messages(&mut self) {
@@ -383,6 +348,7 @@ impl<'a, W: Write> Supervision<'a, W> {
             last_tick,
             interrupted: ended_by_loop.unwrap_or(self.interrupts > 0),
             standings: standings(self.board, self.spec.scenario.claims.len()),
+            events: std::mem::take(&mut self.events),
             wall: Duration::ZERO,
             finish: self.finish.take(),
             failure: self.failure.clone(),

@@ -4,7 +4,7 @@ use super::pace::Pace;
 use crate::run::message::{Message, MessageSink};
 use crate::run::run_spec::SaveSpec;
 use crate::run::step_loop::{Checkpoint, Observer};
-use flatten::wiring::InputLimits;
+use flatten::wiring::{Change, InputLimits};
 use fmi2::printable;
 use results::shortest_decimal;
 use results::verdict::Standing;
@@ -69,6 +69,11 @@ impl Observer for BoardObserver<'_> {
         let value = shortest_decimal(value);
         let text = format!("`{name}` gets {value}{space}{unit}, and its description says {limits} (reported once)");
         message(self.board, &Message::Log(LogMessage::warning(input.port.instance, (tick, tick), text)));
+    }
+
+    #[cold]
+    fn window(&mut self, change: Change) {
+        message(self.board, &Message::Window(change));
     }
 
     fn claim(&mut self, claim: usize, standing: Standing) {

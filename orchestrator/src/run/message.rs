@@ -3,6 +3,7 @@
 //! A stepping process sends them to its parent, a loop to the thread that supervises it, a worker to its coordinator.
 
 use dsl::scenario::Scenario;
+use flatten::wiring::Change;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use unit::failure::Failure;
@@ -21,6 +22,8 @@ pub enum Message {
     Finished(Finish),
     /// The run broke; only log messages and calls of units that are freed follow.
     Broken(Failure),
+    /// A window has opened or closed.
+    Window(Change),
 }
 
 /// Where messages go; called by any thread.
@@ -55,6 +58,8 @@ pub enum Reason {
     ClaimLost(usize),
     /// The user interrupted.
     Interrupted,
+    /// The condition of `stop when` held.
+    StopWhen,
 }
 
 impl Reason {
@@ -66,6 +71,10 @@ impl Reason {
             Self::Terminated(instance) => format!("`{}` terminated", scenario.instances[*instance].name),
             Self::ClaimLost(claim) => format!("claim `{}` lost", scenario.claims[*claim].name),
             Self::Interrupted => "interrupted".to_owned(),
+            Self::StopWhen => {
+                let condition = scenario.stop_when.as_ref().map_or("", |stop| stop.text.as_str());
+                format!("stop when {condition}")
+            }
         }
     }
 }

@@ -52,7 +52,9 @@ impl<'a, W: Observer> StepLoop<'a, W> {
         let stored = self.store_next_rows(|_| true);
         let ended = ended.and_then(|finish| stored.map(|()| finish));
         let completeness = match &ended {
-            Ok(Finish { reason: Reason::StopTime | Reason::Terminated(_), .. }) => Completeness::Complete,
+            Ok(Finish { reason: Reason::StopTime | Reason::StopWhen | Reason::Terminated(_), .. }) => {
+                Completeness::Complete
+            }
             _ => Completeness::CutOff,
         };
         let (observer, last_sample) = (&mut self.observer, self.state.samples.checked_sub(1));
@@ -78,7 +80,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
                 self.record(tick);
                 return Ok(Finish { last_tick: tick, reason });
             }
-            self.take_events(tick);
+            self.take_events(tick, time_s)?;
             self.drive(tick, time_s);
             for wave in 0..self.plan.waves.len() {
                 if let Some(finish) = self.step(wave, tick, time_s)? {
@@ -97,13 +99,10 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     /// Claims take the sample of this tick.
     fn judge(&mut self, tick: u64, time_s: f64) {
         let Self { plan, state, stack, observer, .. } = self;
-        let State { visible, visible_shared, carried: CarriedState { held, rises, claims, running, .. }, .. } = state;
+        let State { visible, visible_shared, carried: CarriedState { conditions, claims, running, .. }, .. } = state;
         plan.running.evaluate(&plan.shared, (visible, time_s, tick), stack, visible_shared, running);
-        for (slot, condition) in plan.rises.iter().enumerate() {
-            let holds = condition.holds(&Moment { outputs: visible, time_s, rises, shared: visible_shared }, stack);
-            rises[slot] = holds && !std::mem::replace(&mut held[slot], holds);
-        }
-        let moment = Moment { outputs: visible, time_s, rises, shared: visible_shared };
+        plan.conditions.take(conditions, (visible, time_s, visible_shared), stack);
+        let moment = Moment { outputs: visible, time_s, rises: conditions.rises(), shared: visible_shared };
         plan.claims.take(claims, tick, &moment, stack, |claim, standing| observer.claim(claim, standing));
         state.samples = tick + 1;
     }
@@ -111,6 +110,9 @@ impl<'a, W: Observer> StepLoop<'a, W> {
     fn reason_to_end(&self, tick: u64) -> Option<Reason> {
         if tick >= self.plan.stop_tick {
             return Some(Reason::StopTime);
+        }
+        if self.plan.stop_when.is_some_and(|slot| self.state.carried.conditions.holds(slot)) {
+            return Some(Reason::StopWhen);
         }
         let due = self.state.carried.terminated.iter().filter(|(due_tick, _)| *due_tick <= tick);
         if let Some(first) = due.map(|(_, unit)| unit.instance).min() {
@@ -122,19 +124,18 @@ impl<'a, W: Observer> StepLoop<'a, W> {
 
     /// Windows close, then open.
     #[inline]
-    fn take_events(&mut self, tick: u64) {
-        let Self { plan, state, .. } = self;
-        while let Some(change) = plan.overrides.changes.get(state.changes).filter(|change| change.tick <= tick) {
-            state.carried.overrides[change.target].take(change.effect);
-            state.changes += 1;
-        }
+    fn take_events(&mut self, tick: u64, time_s: f64) -> Result<(), Failure> {
+        let Self { plan, state, observer, .. } = self;
+        let CarriedState { events, conditions, .. } = &mut state.carried;
+        let taken = plan.events.take(events, tick, conditions, |change| observer.window(change));
+        taken.map_err(|clash| Failure::between_calls(time_s, clash))
     }
 
     /// `->` brings the visible outputs to the groups that step now.
     fn drive(&mut self, tick: u64, time_s: f64) {
         let Self { plan, state, stack, .. } = self;
         let State { visible, visible_shared, inputs, carried, .. } = state;
-        let moment = Moment { outputs: visible, time_s, rises: &carried.rises, shared: visible_shared };
+        let moment = Moment { outputs: visible, time_s, rises: carried.conditions.rises(), shared: visible_shared };
         for (group, feed) in plan.groups.iter().zip(&plan.delayed) {
             if group.is_due(tick) {
                 feed.bring(&moment, stack, inputs);
@@ -172,19 +173,18 @@ impl<'a, W: Observer> StepLoop<'a, W> {
         if is_read { self.await_direct(groups, tick) } else { Ok(None) }
     }
 
-    /// `=>` and `set` drive the inputs of the groups that step in this wave.
+    /// `=>` and `set` drive the inputs of the groups that step in this wave, and faults act on them.
     fn feed(&mut self, wave: usize, groups: Range<usize>, tick: u64, time_s: f64) {
         let Self { plan, state, stack, .. } = self;
         let State { visible, visible_shared, latest, latest_shared, initial_inputs, inputs, carried, .. } = state;
-        let (CarriedState { rises, overrides, .. }, slots) = (carried, plan.shared_of_wave[wave].iter().copied());
+        let (CarriedState { conditions, events, .. }, slots) = (carried, plan.shared_of_wave[wave].iter().copied());
+        let rises = conditions.rises();
         evaluate_shared(&plan.shared, slots, (latest, time_s), stack, latest_shared);
         let latest = Moment { outputs: latest, time_s, rises, shared: latest_shared };
         let visible = Moment { outputs: visible, time_s, rises, shared: visible_shared };
         for group in groups.filter(|&group| plan.groups[group].is_due(tick)) {
             plan.direct[group].bring(&latest, stack, inputs);
-            for &target in &plan.overrides.of_group[group] {
-                plan.overrides.all[target].bring(overrides[target], &visible, stack, initial_inputs, inputs);
-            }
+            plan.events.bring((group, tick), events, &visible, stack, (initial_inputs, inputs));
         }
     }
 
@@ -207,7 +207,7 @@ impl<'a, W: Observer> StepLoop<'a, W> {
             let Self { plan, state, observer, stack, .. } = self;
             let State { visible, visible_shared, inputs, carried, .. } = state;
             let time_s = plan.seconds(tick);
-            let moment = Moment { outputs: visible, time_s, rises: &carried.rises, shared: visible_shared };
+            let moment = Moment { outputs: visible, time_s, rises: carried.conditions.rises(), shared: visible_shared };
             observer.row(tick, |row| plan.row.fill(&moment, inputs, stack, &row));
         }
     }

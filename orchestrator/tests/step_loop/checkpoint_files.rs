@@ -106,7 +106,7 @@ fn all_differences_are_reported_at_once_with_help() {
 fn remake(folder: &Path) {
     let cut = &saved()[..saved().len() - 5];
     let more = [saved(), &[0]].concat();
-    let (mut other_tick, mut nothing) = (saved().to_vec(), vec![0; 15]);
+    let (mut other_tick, mut nothing) = (saved().to_vec(), vec![0; 20]);
     (other_tick[0], nothing[0]) = (8, 7);
     let parts = [
         ("accepted-amid-everything", saved()),

@@ -5,7 +5,8 @@ use crate::fake::{
 };
 use crate::{TIME, number};
 use dsl::scenario::{
-    BooleanExpression, Formula, Gated, Margin, RealExpression, Running, RunningKind, TickWindow, Until,
+    Action, BooleanExpression, Fault, FaultKind, Formula, Gated, Margin, RealExpression, Running, RunningKind,
+    TickWindow, Until,
 };
 use orchestrator::run::message::Reason;
 use orchestrator::run::step_loop::Checkpoint;
@@ -26,7 +27,7 @@ impl Script {
 }
 
 /// Whether a run of a script can continue from a checkpoint, as it is read from a file.
-fn fits(checkpoint: &Checkpoint, script: &Script) -> bool {
+pub fn fits(checkpoint: &Checkpoint, script: &Script) -> bool {
     let bytes = postcard::to_stdvec(checkpoint).unwrap();
     Checkpoint::read(&bytes, &script.scenario, &vec![&description(); script.units.len()]).is_ok()
 }
@@ -51,6 +52,8 @@ pub fn everything(ticks: u64) -> Script {
     script.scenario.stop_tick = ticks;
     let rises = BooleanExpression::Margin(Margin { value: signal(1), strict: true });
     script.scenario.conditions = vec![dsl::scenario::Condition { is: rises, held_ticks: 0 }];
+    let late = Fault { targets: vec![port(1, U)], kind: FaultKind::Delay(3) };
+    let mut script = script.in_ticks(&[3, 4, 5, 6, 7, 8], vec![Action::Fault(late)]);
     let risen = Formula::Condition(BooleanExpression::Rises(0));
     let unbounded = Formula::Eventually(TickWindow { from: 0, to: None }, Box::new(above(signal(4), 9.0)));
     let (kind, of) = (RunningKind::Average, Box::new(signal(2)));

@@ -1,6 +1,7 @@
 //! Units made of closures, behind the worker's trait, and a builder of scripts.
 
 mod description;
+mod seen;
 
 pub use description::description;
 
@@ -9,17 +10,16 @@ use dsl::scenario::{
     Unit,
 };
 use flatten::values::Values;
-use flatten::wiring::{InputLimits, InstancePorts, Plan, VariableSlot};
+use flatten::wiring::{Change, InstancePorts, Plan, VariableSlot};
 use fmi2::calls::Call;
 use orchestrator::run::message::Finish;
 use orchestrator::run::run_options::RunOptions;
-use orchestrator::run::step_loop::{Checkpoint, Observer, StepLoop};
+use orchestrator::run::step_loop::{Checkpoint, StepLoop};
 use orchestrator::run::worker::{Lost, Order, Reply, Shutdown, Terminated, Ticket, Worker};
 use results::verdict::{Standing, Verdict};
+use seen::Seen;
 use std::cell::RefCell;
 use std::rc::Rc;
-use std::sync::atomic::AtomicU64;
-use unit::board::RowWriter;
 use unit::failure::{Cause, Doing, Failure};
 
 /// Variables of every fake unit.
@@ -95,6 +95,8 @@ pub struct Ran {
     pub verdicts: Vec<Verdict>,
     pub standings: Vec<Standing>,
     pub checkpoints: Vec<Checkpoint>,
+    /// The windows that opened and closed.
+    pub changes: Vec<Change>,
     /// The calls of the workers, in order.
     pub asked: Vec<String>,
 }
@@ -125,6 +127,8 @@ impl Script {
             initialization: Vec::new(),
             connections: Vec::new(),
             events: Vec::new(),
+            stop_when: None,
+            seed: 0,
             conditions: Vec::new(),
             shared: Vec::new(),
             claims: Vec::new(),
@@ -203,6 +207,7 @@ impl Script {
             stop_at: self.stop_requested_at,
             saves: self.saves,
             checkpoints: Vec::new(),
+            changes: Vec::new(),
         };
         seen.standings.resize(self.scenario.claims.len(), None);
         let options = RunOptions { fail_fast: self.fail_fast, record: true, ..RunOptions::default() };
@@ -210,47 +215,15 @@ impl Script {
         let standings: Vec<_> = seen.standings.into_iter().flatten().collect();
         let verdicts = standings.iter().map(|standing| standing.verdict).collect();
         let asked = asked.borrow().clone();
-        Ran { result, rows: seen.rows, verdicts, standings, checkpoints: seen.checkpoints, asked }
-    }
-}
-
-struct Seen {
-    columns: usize,
-    rows: Vec<Vec<f64>>,
-    first_row: u64,
-    standings: Vec<Option<Standing>>,
-    tick: u64,
-    stop_at: Option<u64>,
-    saves: Vec<u64>,
-    checkpoints: Vec<Checkpoint>,
-}
-
-impl Observer for &mut Seen {
-    fn reached(&mut self, tick: u64) {
-        self.tick = tick;
-    }
-    fn stop_requested(&self) -> bool {
-        self.stop_at.is_some_and(|at| self.tick >= at)
-    }
-    fn row(&mut self, tick: u64, fill: impl FnOnce(RowWriter<'_>)) {
-        assert_eq!(tick, self.first_row + self.rows.len() as u64, "rows come without gaps");
-        let row: Vec<_> = (0..self.columns).map(|_| AtomicU64::new(u64::MAX)).collect();
-        fill(RowWriter::new(&row));
-        self.rows.push(row.into_iter().map(|bits| f64::from_bits(bits.into_inner())).collect());
-    }
-    fn wants_checkpoint(&self, tick: u64) -> bool {
-        self.saves.contains(&tick)
-    }
-    fn checkpoint(&mut self, checkpoint: &Checkpoint) -> Result<(), String> {
-        match self.checkpoints.iter_mut().find(|stored| stored.tick == checkpoint.tick) {
-            Some(stored) => stored.clone_from(checkpoint),
-            None => self.checkpoints.push(checkpoint.clone()),
+        Ran {
+            result,
+            rows: seen.rows,
+            verdicts,
+            standings,
+            checkpoints: seen.checkpoints,
+            changes: seen.changes,
+            asked,
         }
-        Ok(())
-    }
-    fn missed_limits(&mut self, _: &InputLimits, _: f64, _: u64) {}
-    fn claim(&mut self, claim: usize, standing: Standing) {
-        self.standings[claim] = Some(standing);
     }
 }
 

@@ -4,7 +4,9 @@
 mod checkpoint_files;
 mod checkpoints;
 mod endings;
+mod events;
 mod fake;
+mod faults;
 
 use dsl::scenario::{BooleanExpression, Drive, InitialStep, Margin, RealExpression};
 use fake::{P, Script, U, V, Y, counter, port, repeater, signal, unit};

@@ -317,7 +317,15 @@ pub(super) fn findings(script: &str) -> (Sources, Vec<Diagnostic>) {
     if !parsed.diagnostics.is_empty() {
         return (sources, parsed.diagnostics);
     }
-    let request = Request { sources: &sources, file: &parsed.file, loader: &Memory, settings: &[], isolated: false };
+    let parts = Parts::load(&mut sources, &parsed.file, &Memory);
+    let request = Request {
+        sources: &sources,
+        file: &parsed.file,
+        parts: &parts,
+        loader: &Memory,
+        settings: &[],
+        isolated: false,
+    };
     let mut found = resolve(&request).diagnostics;
     found.retain(|finding| !is_about_completeness(finding));
     (sources, found)

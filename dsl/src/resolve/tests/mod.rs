@@ -8,6 +8,7 @@ mod connections;
 mod curves;
 mod differences;
 mod elaborate;
+mod events;
 mod fixtures;
 mod gates;
 mod initial;

@@ -181,37 +181,24 @@ fn repeated_statements_and_periods_are_refused() {
 
 #[test]
 fn features_of_later_versions_are_refused_by_name() {
-    let lines = "when quad.landed { set quad.drag = 0.2 }
-while quad.landed { set quad.drag = 0.2 }
-stop when quad.landed
-at 3 s { fault quad.wind: freeze }
-assert near: always quad.roll == ctrl.error / 1 m * 1 deg ± 1 deg within 20 ms
-record quad.* every 20 ms
-sweep { seed in 1..3 }
-curve(\"in.csv\", \"u\") -> quad.wind
-lead.body.state -> ctrl.state";
+    let lines = "assert near: always quad.roll == ctrl.error / 1 m * 1 deg ± 1 deg within 20 ms
+sweep { seed in 1..3 }";
     let found = run_with(&flight(lines), &[]).resolved.diagnostics;
     let messages: Vec<_> = found.iter().map(|error| format!("{} {}", error.code, error.message)).collect();
     insta::assert_snapshot!(messages.join("\n"), @r#"
-    E20 `when` is not known to this version of lockstep yet
-    E20 `while` is not known to this version of lockstep yet
-    E20 `stop when` is not known to this version of lockstep yet
-    E20 `fault` is not known to this version of lockstep yet
     E20 `within` after `±` is not known to this version of lockstep yet
-    E20 `.*` is not known to this version of lockstep yet
-    E20 `record` with `every` is not known to this version of lockstep yet
     E20 `sweep` is not known to this version of lockstep yet
     "#);
 }
 
 #[test]
 fn a_refusal_says_what_to_do() {
-    insta::assert_snapshot!(shown(&flight("at 3 s { fault quad.wind: freeze }")), @r#"
-    error[E20]: `fault` is not known to this version of lockstep yet
-     --> test.scn:7:10
+    insta::assert_snapshot!(shown(&flight("fmu far = \"wind\" on edge[1]")), @r#"
+    error[E20]: `on` is not known to this version of lockstep yet
+     --> test.scn:7:21
       |
-    7 | at 3 s { fault quad.wind: freeze }
-      |          ^^^^^^^^^^^^^^^^^^^^^^^
+    7 | fmu far = "wind" on edge[1]
+      |                     ^^^^^^^
       |
       = help: leave it out for now
     "#);

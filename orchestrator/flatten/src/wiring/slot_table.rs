@@ -252,15 +252,14 @@ fn driven(scenario: &Scenario) -> BTreeSet<Port> {
     connected.chain(set).collect()
 }
 
-/// Ports that connections, `set`, conditions or claims read: those whose values must be finite.
+/// Ports that connections, events, conditions or claims read: those whose values must be finite.
 fn finite_ports(scenario: &Scenario) -> BTreeSet<Port> {
     let mut ports = BTreeSet::new();
     let (slots, visit) = (scenario.slots(), &mut |port| {
         ports.insert(port);
     });
-    let sets = scenario.events.iter().flat_map(dsl::scenario::Event::sets).map(|set| &set.value);
-    let drives = scenario.connections.iter().map(|connection| &connection.source).chain(sets);
-    drives.for_each(|drive| drive.reads(slots, visit));
+    scenario.connections.iter().for_each(|connection| connection.source.reads(slots, visit));
+    scenario.events.iter().for_each(|event| event.reads(slots, visit));
     slots.conditions.iter().for_each(|condition| condition.is.reads(slots, visit));
     scenario.claims.iter().for_each(|claim| claim.formula.reads(slots, visit));
     ports

@@ -188,6 +188,7 @@ mod tests {
             time_s,
             end: end.to_owned(),
             claims: claims.collect(),
+            events: Vec::new(),
         };
         let replay = replay_command(Path::new(heading.script), &verdict.parameters, &[]);
         report(&heading, &verdict, &replay) + &next_lines(Path::new("runs/quad"), true)

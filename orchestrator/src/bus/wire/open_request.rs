@@ -226,7 +226,7 @@ impl ReplyExtras {
         let is_allowed = |message: &Message| match message {
             Message::Log(log) => log.instance.is_none_or(&holds) && log.text.len() + log.category.len() <= LONGEST_TEXT,
             Message::Calls(piece) => holds(piece.instance) && piece.bytes.len() <= LONGEST_PIECE,
-            Message::Saved(_) | Message::Finished(_) | Message::Broken(_) => false,
+            Message::Saved(_) | Message::Finished(_) | Message::Broken(_) | Message::Window(_) => false,
         };
         let lost = self.lost.as_ref();
         self.messages.iter().all(is_allowed)

@@ -3,6 +3,7 @@
 use crate::run::message::Finish;
 use crate::run::run_spec::RunSpec;
 use results::TraceError;
+use results::events::WindowChange;
 use results::run_record::RunState;
 use results::sink::Sink;
 use results::verdict::Standing;
@@ -52,6 +53,8 @@ pub struct RunEnd {
     pub interrupted: bool,
     /// How each claim stands at the end.
     pub standings: Vec<Standing>,
+    /// The windows that opened and closed.
+    pub events: Vec<WindowChange>,
     /// How long it took.
     pub wall: Duration,
 }

@@ -13,7 +13,7 @@ use results::signals::{self, Signal};
 use results::sink::Sink;
 use results::verdict::Verdict;
 use std::cell::RefCell;
-use std::fs::File;
+use std::fs::{self, File};
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::ExitStatus;

@@ -203,12 +203,13 @@ impl<W: Observer> StepLoop<'_, W> {
             let terminated = results.filter_map(|result| result.terminated).collect();
             *order = group.is_under_way_after(*tick).then(|| UnderWay::Early(Box::new(Ok(Reply { terminated }))));
         }
-        state.changes = plan.overrides.changes.partition_point(|change| change.tick <= *tick);
         state.samples = tick + 1;
         state.next_rows.expect(&checkpoint.next);
         assert!(checkpoint.carried.fits(plan, state.samples), "a checkpoint fits its run");
         state.carried.clone_from(&checkpoint.carried);
         plan.claims.reserve(&mut state.carried.claims);
+        plan.events.resume(&mut state.carried.events, *tick);
+        state.carried.events.changes().iter().for_each(|&change| observer.window(change));
         let standings = plan.claims.standings(&state.carried.claims);
         standings.for_each(|(claim, standing)| observer.claim(claim, standing));
         Ok(())

@@ -19,7 +19,7 @@ impl<W: Observer> StepLoop<'_, W> {
                 InitialCall::Set { worker, instance, feed, shared, slots, limited } => {
                     let now = (&*visible, start_s);
                     evaluate_shared(&plan.shared, shared.iter().copied(), now, stack, visible_shared);
-                    let (outputs, rises) = (&*visible, carried.rises.as_slice());
+                    let (outputs, rises) = (&*visible, carried.conditions.rises());
                     feed.bring(&Moment { outputs, time_s: start_s, rises, shared: visible_shared }, stack, inputs);
                     for (index, input) in limited.iter().map(|&index| (index, &plan.limits.all[index])) {
                         if let Some(value) = input.missed(inputs) {
@@ -37,6 +37,7 @@ impl<W: Observer> StepLoop<'_, W> {
             .map_err(|lost| lost.failure)?;
         }
         state.initial_inputs.clone_from(inputs);
+        plan.events.begin(&mut carried.events, inputs);
         for worker in workers {
             worker.start(visible).map_err(|lost| lost.failure)?;
         }

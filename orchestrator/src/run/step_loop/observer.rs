@@ -1,7 +1,7 @@
 //! The trait of those that observe a run while it goes on: the board, or a test.
 
 use super::Checkpoint;
-use flatten::wiring::InputLimits;
+use flatten::wiring::{Change, InputLimits};
 use results::verdict::Standing;
 use unit::board::RowWriter;
 
@@ -22,6 +22,8 @@ pub trait Observer {
     fn checkpoint(&mut self, checkpoint: &Checkpoint) -> Result<(), String>;
     /// An input gets its first value that its unit's description does not allow, just before it is set at this tick.
     fn missed_limits(&mut self, input: &InputLimits, value: f64, tick: u64);
+    /// A window has opened or closed; a run that continues passes on first what happened before.
+    fn window(&mut self, change: Change);
     /// The standing of a claim has changed, or the run has ended.
     fn claim(&mut self, claim: usize, standing: Standing);
 }

@@ -6,7 +6,7 @@ use crate::run::worker::Terminated;
 use dsl::scenario::RunningMemory;
 use flatten::claims::ClaimsMemory;
 use flatten::values::Values;
-use flatten::wiring::{OverrideState, Plan};
+use flatten::wiring::{ConditionsMemory, EventsMemory, Plan};
 use serde::{Deserialize, Serialize};
 
 /// The state of a run. With the saved states of the instances it is a checkpoint.
@@ -33,8 +33,6 @@ pub(super) struct State {
     pub unreported: Vec<Vec<usize>>,
     /// The rows that follow checkpoints.
     pub next_rows: NextRows,
-    /// How many of the plan's changes of overrides have been applied.
-    pub changes: usize,
     /// The tick of the next sample of the claims.
     pub samples: u64,
 }
@@ -44,11 +42,10 @@ pub(super) struct State {
 pub(super) struct CarriedState {
     /// Instances that have terminated, with the tick at which their step ends.
     pub terminated: Vec<(u64, Terminated)>,
-    /// Whether each condition held at the last sample, and whether it rose then.
-    pub held: Vec<bool>,
-    pub rises: Vec<bool>,
-    /// Which `set` of each override applies.
-    pub overrides: Vec<OverrideState>,
+    /// Since when each condition holds.
+    pub conditions: ConditionsMemory,
+    /// Which windows are open, and what they did.
+    pub events: EventsMemory,
     /// What the claims remember of earlier samples.
     pub claims: ClaimsMemory,
     /// The same of running values.
@@ -67,9 +64,8 @@ impl State {
             early: plan.outputs.clone(),
             carried: CarriedState {
                 terminated: Vec::new(),
-                held: vec![false; plan.rises.len()],
-                rises: vec![false; plan.rises.len()],
-                overrides: plan.overrides.states(),
+                conditions: plan.conditions.memory(),
+                events: plan.events.memory(),
                 claims: plan.claims.memory(),
                 running: plan.running.memories(),
             },
@@ -77,7 +73,6 @@ impl State {
             latest_shared: vec![0.0; plan.shared.len()],
             unreported: plan.limits.of_group.clone(),
             next_rows: NextRows::default(),
-            changes: 0,
             samples: plan.start_tick,
         }
     }
@@ -86,11 +81,9 @@ impl State {
 impl CarriedState {
     /// Whether it can be that of a run of this plan after so many samples.
     pub fn fits(&self, plan: &Plan, samples: u64) -> bool {
-        let overrides = &plan.overrides.all;
         self.terminated.iter().all(|(_, unit)| unit.instance < plan.ports.len())
-            && [self.held.len(), self.rises.len()] == [plan.rises.len(); 2]
-            && self.overrides.len() == overrides.len()
-            && overrides.iter().zip(&self.overrides).all(|(one, state)| one.fits(state))
+            && plan.conditions.fit(&self.conditions, samples)
+            && plan.events.fit(&self.events, samples)
             && plan.claims.fits(&self.claims, samples)
             && self.running.len() == plan.running.memories().len()
     }

@@ -6,8 +6,8 @@ use crate::run::run_options::RunOptions;
 use crate::run::run_spec::UnitSpec;
 use ::tests::foreign::Foreign;
 use dsl::scenario::{
-    BooleanExpression, Claim, Column, Connection, Drive, Event, Formula, Gated, Instance, Margin, Port, RealExpression,
-    Scenario, Set, TickWindow, Unit, Until,
+    Action, BooleanExpression, Claim, Column, Connection, Drive, Event, Fault, FaultKind, Formula, Gated, Instance,
+    Margin, Port, RealExpression, Scenario, Set, TickWindow, Unit, Until,
 };
 use std::path::PathBuf;
 use unit::archive::{Unpacked, unpack};
@@ -59,13 +59,18 @@ fn claims() -> Vec<Claim> {
     formulas.map(claim).to_vec()
 }
 
-/// Both arrows, a computed value, a window that opens and closes, claims and columns.
+/// Both arrows, a computed value, a window that opens and closes, faults, claims and columns.
 fn scenario(ticks: u64) -> Scenario {
     let instance = |name: &str, wave| Instance { name: name.to_owned(), unit: 0, every: 1, wave, presets: Vec::new() };
     let arrow = |target, source, direct| Connection { target: port(target, U), source, direct };
     let computed = RealExpression::Affine { of: Box::new(signal(1)), factor: 0.5, offset: 1.0 };
     let enabled = Set { target: port(0, ENABLED), value: Drive::Boolean(BooleanExpression::Constant(true)) };
     let column = |(instance, variable)| Column::of_port("", port(instance, variable));
+    // Faults that compute and draw at each tick and change no value.
+    let nothing = || RealExpression::Constant(0.0);
+    let kinds = [FaultKind::Noise(vec![nothing()]), FaultKind::Loss(nothing())];
+    let fault = |kind| Action::Fault(Fault { targets: vec![port(1, U)], kind });
+    let faults = Event { actions: kinds.map(fault).to_vec(), ..Event::at(5, None, Vec::new()) };
     Scenario {
         title: String::new(),
         step_ns: 1_000_000,
@@ -76,7 +81,9 @@ fn scenario(ticks: u64) -> Scenario {
         instances: vec![instance("a", 0), instance("b", 1)],
         initialization: Vec::new(),
         connections: vec![arrow(0, Drive::Real(computed), false), arrow(1, Drive::Copy(port(0, Y)), true)],
-        events: vec![Event::at(20, Some(20), vec![enabled])],
+        events: vec![Event::at(20, Some(20), vec![enabled]), faults],
+        stop_when: None,
+        seed: 0,
         conditions: Vec::new(),
         shared: Vec::new(),
         claims: claims(),

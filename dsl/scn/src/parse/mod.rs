@@ -22,7 +22,8 @@ use std::thread;
 
 use failure::Place;
 use grammar::{Grammar, Rule};
-pub(crate) use lines::{quoted_length, symbols};
+pub(crate) use lines::quoted_length;
+pub use lines::symbols;
 use pest::Parser;
 use pest::iterators::Pair;
 pub(crate) use shape::{Atom, Item, Shape, shape};
@@ -156,7 +157,8 @@ fn match_rule(rule: Rule, text: &str) -> Matched<'_> {
 }
 
 /// Whether a script can write a unit of measure behind a number without quotes.
-pub(crate) fn is_plain_unit(unit: &str) -> bool {
+#[must_use]
+pub fn is_plain_unit(unit: &str) -> bool {
     !unit.starts_with('\'') && Grammar::parse(Rule::unit, unit).is_ok_and(|matched| matched.as_str() == unit)
 }
 
@@ -164,7 +166,7 @@ pub(crate) fn is_plain_unit(unit: &str) -> bool {
 ///
 /// # Errors
 /// The system starts no thread; the diagnostic is at the beginning of `text`.
-pub(crate) fn with_stack<R: Send>(text: u32, work: impl FnOnce() -> R + Send) -> Result<R, Diagnostic> {
+pub fn with_stack<R: Send>(text: u32, work: impl FnOnce() -> R + Send) -> Result<R, Diagnostic> {
     const STACK_BYTES: usize = 64 << 20;
     thread::scope(|scope| {
         let parser = thread::Builder::new().name("parse".to_owned()).stack_size(STACK_BYTES);

@@ -39,7 +39,8 @@ impl Letters {
 }
 
 /// `a`, `a and b`, `a, b and c`, each in back quotes.
-pub(crate) fn listed<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
+#[must_use]
+pub fn listed<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
     let quoted: Vec<_> = names.into_iter().map(|name| format!("`{name}`")).collect();
     match quoted.as_slice() {
         [] => String::new(),

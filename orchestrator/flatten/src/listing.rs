@@ -1,7 +1,6 @@
 //! What a script will do, as text that one can read and compare: units, connections, initialization, delays.
 
-use super::counted;
-use crate::cli::describe;
+use crate::variable_text;
 use dsl::groups::{groups, without_shared_members};
 use dsl::scenario::{Action, Connection, Drive, InitialStep, Port, RealExpression, Scenario, Value, duration};
 use dsl::spelling;
@@ -14,7 +13,8 @@ use std::fmt::Write;
 use unit::time::seconds;
 
 /// The plan of a script.
-pub(super) fn text(scenario: &Scenario, descriptions: &[&ModelDescription]) -> String {
+#[must_use]
+pub fn text(scenario: &Scenario, descriptions: &[&ModelDescription]) -> String {
     let shown: Vec<_> = descriptions.iter().map(|description| with_printable_names(description)).collect();
     let plan = Plan { scenario, descriptions: &shown };
     let sections =
@@ -164,8 +164,10 @@ impl Plan<'_> {
                     continue;
                 }
                 let (value, origin) = match preset.get(&index) {
-                    Some(value) => (describe::value(description, variable, value), "from the script"),
-                    None if variable.has_start() => (describe::start(description, variable), "start value of the unit"),
+                    Some(value) => (variable_text::value(description, variable, value), "from the script"),
+                    None if variable.has_start() => {
+                        (variable_text::start(description, variable), "start value of the unit")
+                    }
                     None => (String::new(), "no start value"),
                 };
                 let measure = description.unit_of(variable).filter(|measure| !value.is_empty() && *measure != "1");
@@ -273,6 +275,11 @@ fn converted(expression: &RealExpression) -> Option<Port> {
 
 fn width<'a>(texts: impl Iterator<Item = &'a str>) -> usize {
     texts.map(|text| text.chars().count()).max().unwrap_or(0)
+}
+
+/// A number of things: `1 step`, `2 steps`.
+fn counted(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
 
 #[cfg(test)]

@@ -58,7 +58,7 @@ pub(super) fn is_closed(quoted: &str) -> bool {
 }
 
 /// The characters of a text with their bytes; of what is quoted only the first quote.
-pub(crate) fn symbols(text: &str) -> impl Iterator<Item = (usize, char)> {
+pub fn symbols(text: &str) -> impl Iterator<Item = (usize, char)> {
     let mut next = 0;
     std::iter::from_fn(move || {
         let (at, rest) = (next, &text[next..]);

@@ -149,7 +149,7 @@ impl Diagnostic {
 }
 
 /// How many findings are shown: more of them mostly have the same cause.
-pub(crate) const SHOWN: usize = 100;
+pub const SHOWN: usize = 100;
 
 /// The diagnostics as a user reads them, in the order of their places, each followed by an empty line. Of more than 100 the
 /// others are counted in a last line; errors are shown before warnings take their place.
