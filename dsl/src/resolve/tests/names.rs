@@ -193,12 +193,12 @@ sweep { seed in 1..3 }";
 
 #[test]
 fn a_refusal_says_what_to_do() {
-    insta::assert_snapshot!(shown(&flight("fmu far = \"wind\" on edge[1]")), @r#"
-    error[E20]: `on` is not known to this version of lockstep yet
-     --> test.scn:7:21
+    insta::assert_snapshot!(shown(&flight("sweep { seed in 1..3 }")), @r#"
+    error[E20]: `sweep` is not known to this version of lockstep yet
+     --> test.scn:7:1
       |
-    7 | fmu far = "wind" on edge[1]
-      |                     ^^^^^^^
+    7 | sweep { seed in 1..3 }
+      | ^^^^^^^^^^^^^^^^^^^^^^
       |
       = help: leave it out for now
     "#);
