@@ -17,6 +17,9 @@ pub(super) enum Root<'p, 'a> {
     Reported,
 }
 
+/// A declared name, with the rest of the path.
+type Onward<'p, 'a> = (Placed<Declaration<'a>>, &'p [Segment]);
+
 impl<'a> Scope<'_, 'a> {
     /// What the beginning of a path that a statement refers to means; the names on the way are used then. A path to a whole
     /// part is refused.
@@ -58,20 +61,14 @@ impl<'a> Scope<'_, 'a> {
         word: &Word,
         tail: &'p [Segment],
         look_up: impl FnOnce(Self, &str) -> Option<Placed<Declaration<'a>>>,
-    ) -> Result<Option<(Placed<Declaration<'a>>, &'p [Segment])>, Reported> {
+    ) -> Result<Option<Onward<'p, 'a>>, Reported> {
         let Some((Segment::Index(index, _), rest)) = tail.split_first() else { return Ok(None) };
         let index = self.index_text(index).ok_or(Reported)?;
         Ok(look_up(self, &format!("{}{index}", word.text)).map(|found| (found, rest)))
     }
 
     /// The name in a part that a path goes on with.
-    fn within<'p>(
-        self,
-        part: FrameId,
-        name: &Word,
-        tail: &'p [Segment],
-        path: &Path,
-    ) -> Option<(Placed<Declaration<'a>>, &'p [Segment])> {
+    fn within<'p>(self, part: FrameId, name: &Word, tail: &'p [Segment], path: &Path) -> Option<Onward<'p, 'a>> {
         let Some((Segment::Field(word), rest)) = tail.split_first() else {
             return self.refuse(self.whole_part(part, name, path));
         };

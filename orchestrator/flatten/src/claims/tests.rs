@@ -345,6 +345,9 @@ fn until(to: Option<u64>, body: Formula, gate: Formula) -> Formula {
     Formula::Until(Until { any: true, window, body: Box::new(body), gate: Box::new(gate) })
 }
 
+/// A name, a claim, the values of `a` and `b`, and the verdict with its margin.
+type Example<'e> = (&'e str, &'e Formula, &'e [f64], &'e [f64], (Verdict, f64));
+
 #[test]
 fn gates_until_and_finally_by_their_smallest_examples() {
     use Verdict::{Fails, Holds, Unjudged, Untested};
@@ -355,7 +358,7 @@ fn gates_until_and_finally_by_their_smallest_examples() {
     let late = always(0, None, implies(a_fails, eventually(0, Some(2), b.clone())));
     let [waits, waits_for_2] = [None, Some(2)].map(|to| until(to, a.clone(), b.clone()));
     let last = Formula::Finally(Box::new(a));
-    let table: [(&str, &Formula, &[f64], &[f64], (Verdict, f64)); 13] = [
+    let table: [Example<'_>; 13] = [
         ("open twice", &gated, &[1.0, -1.0, 2.0], &[5.0, -9.0, 3.0], (Holds, 3.0)),
         ("open and violated", &gated, &[1.0, -1.0, 2.0], &[5.0, -9.0, -3.0], (Fails, -3.0)),
         ("never open", &gated, &[-1.0, -1.0], &[5.0, -9.0], (Untested, INFINITY)),
