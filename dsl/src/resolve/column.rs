@@ -16,7 +16,7 @@ use super::wire::Wired;
 use crate::diagnostic::Diagnostic;
 use crate::scenario::{Claim, Column, ColumnSource, Port};
 use crate::source::Span;
-use crate::syntax::{Expression, Path, Segment};
+use crate::syntax::{Expression, ExpressionKind, Path, Segment, Word};
 
 /// The columns so far, each name once.
 #[derive(Default)]
@@ -82,11 +82,9 @@ impl<'a> Scope<'_, 'a> {
                 ports(self.all_of(&whole).unwrap_or_default())
             }
             _ => match self.root(path) {
-                Root::Declared(Placed { frame, part: Declaration::Let(binding) }, _) => {
+                Root::Declared(Placed { frame, part: Declaration::Let(binding) }, tail) => {
                     let name = self.script.frames.full_name(frame, &binding.name.text);
-                    let tail = path.tail.iter().filter(|segment| matches!(segment, Segment::Index(..)));
-                    let own = if self.script.frames.own(frame, &path.root.text).is_some() { tail.count() } else { 0 };
-                    self.value_columns(path, name, own > 0)
+                    self.value_columns(path, &name, tail)
                 }
                 Root::Declared(Placed { part: Declaration::Parameter(_) | Declaration::Counter(..), .. }, _) => {
                     let message = format!("`{}` is known before the run", self.text(path.span));
@@ -137,16 +135,29 @@ impl<'a> Scope<'_, 'a> {
         ends.map(|(variable, _)| Port { instance, variable }).collect()
     }
 
-    /// The columns of a `let`: one for a number or Boolean, one for each element of a list.
-    fn value_columns(self, path: &Path, name: String, is_element: bool) -> Vec<(String, ColumnSource)> {
-        let expression = Expression {
-            kind: crate::syntax::ExpressionKind::Path(path.clone()),
-            span: path.span,
-            parenthesised: false,
-        };
-        let name = if is_element { self.text(path.span) } else { name };
-        let Some(meaning) = self.evaluate(&expression) else { return Vec::new() };
-        self.columns_of(&meaning, &name, path.span)
+    /// The columns of a `let` or, by the tail behind its name, of a part of it; picked members are recorded one by one.
+    fn value_columns(self, path: &Path, name: &str, tail: &[Segment]) -> Vec<(String, ColumnSource)> {
+        let mut name = name.to_owned();
+        for (at, segment) in tail.iter().enumerate() {
+            match segment {
+                Segment::Field(word) => name = format!("{name}.{}", word.text),
+                Segment::Index(index, _) => name += &self.index_text(index).unwrap_or_default(),
+                Segment::Members(words, _) => {
+                    let before = path.tail.len() - tail.len() + at;
+                    let one = |word: &Word| {
+                        let mut picked = path.clone();
+                        picked.tail[before] = Segment::Field(word.clone());
+                        self.recorded(&picked)
+                    };
+                    return words.iter().flat_map(one).collect();
+                }
+                Segment::AllIndices(_) | Segment::All(_) => {}
+            }
+        }
+        let kind = ExpressionKind::Path(path.clone());
+        let expression = Expression { kind, span: path.span, parenthesised: false };
+        let meaning = self.evaluate(&expression);
+        meaning.map(|meaning| self.columns_of(&meaning, &name, path.span)).unwrap_or_default()
     }
 
     fn columns_of(self, meaning: &Meaning, name: &str, span: Span) -> Vec<(String, ColumnSource)> {

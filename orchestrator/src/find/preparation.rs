@@ -123,8 +123,7 @@ pub fn prepare(mut script: Script, unpacked: &UnpackedUnits, options: RunOptions
     let parts = script.parts.iter().map(|&part| script.part(part));
     let parts = parts.map(|(name, text)| HashedFile { name, sha256: sha256(text.as_bytes()) });
     let files = files_of(&scenario, &script.folder)?.into_iter().chain(options.files.iter().cloned());
-    let tables = script.tables.iter().map(|file| hashed_beside(file, &script.folder)).collect::<Result<Vec<_>, _>>()?;
-    let files = parts.chain(tables).chain(files).collect();
+    let files = parts.chain(script.tables.iter().cloned()).chain(files).collect();
     let UnpackedUnits { home, units } = unpacked;
     let hash = |unit: &UnitSpec| HashedFile { name: unit.name.clone(), sha256: unit.sha256.clone() };
     let mut record = record(&script, &scenario, units.iter().map(hash).collect(), files);
@@ -242,14 +241,6 @@ fn files_of(scenario: &Scenario, folder: &Path) -> Result<Vec<HashedFile>, Refus
         files.push(HashedFile { name: name.clone(), sha256: sha256(&bytes) });
     }
     Ok(files)
-}
-
-/// A file in the script's folder, hashed.
-fn hashed_beside(file: &Path, folder: &Path) -> Result<HashedFile, Refusal> {
-    let unreadable = |error| Refusal::new(&format!("cannot read {}: {error}", printable::path(file)), None);
-    let home = folder.canonicalize().map_err(unreadable)?;
-    let name = file.strip_prefix(&home).unwrap_or(file).display().to_string();
-    Ok(HashedFile { name, sha256: sha256(&std::fs::read(file).map_err(unreadable)?) })
 }
 
 /// The script's folder under a name that units can be given, whose texts are UTF-8: a link in the private folder if its own

@@ -14,6 +14,7 @@ use dsl::syntax::{Binding, File};
 use fmi2::description::check::check;
 use fmi2::description::{Finding, ModelDescription};
 use fmi2::printable;
+use results::run_record::{HashedFile, sha256};
 use results::table::{CellType, TableError, TableFile};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -38,8 +39,8 @@ pub struct Script {
     pub scenario: Option<Scenario>,
     /// Its parts, as texts of `sources`.
     pub parts: Vec<u32>,
-    /// The files of its curves.
-    pub tables: Vec<PathBuf>,
+    /// The files of its curves, each once.
+    pub tables: Vec<HashedFile>,
     /// Its units, each once, in order of first use, which is that of [`Scenario::units`]; those that were found.
     pub units: Vec<ScriptUnit>,
 }
@@ -203,7 +204,7 @@ struct Files<'a> {
     /// The units that were found, in order of first use.
     units: Mutex<Vec<ScriptUnit>>,
     /// The files of the tables that were read.
-    tables: Mutex<Vec<PathBuf>>,
+    tables: Mutex<Vec<HashedFile>>,
 }
 
 impl Files<'_> {
@@ -211,6 +212,16 @@ impl Files<'_> {
     fn folder_of<'f>(&'f self, from: &'f Source) -> &'f Path {
         let folder = Path::new(&from.name).parent().filter(|folder| from.name != self.name && *folder != Path::new(""));
         folder.unwrap_or(self.folder)
+    }
+
+    /// Notes a table with the hash of what was read.
+    fn note_table(&self, file: &Path, bytes: &[u8]) {
+        let home = self.folder.canonicalize().unwrap_or_else(|_| self.folder.to_owned());
+        let name = file.strip_prefix(&home).unwrap_or(file).display().to_string();
+        let mut tables = self.tables.lock().unwrap_or_else(PoisonError::into_inner);
+        if tables.iter().all(|known| known.name != name) {
+            tables.push(HashedFile { name, sha256: sha256(bytes) });
+        }
     }
 
     fn read(&self, from: &Source, path: &str) -> Result<(PathBuf, String), Problem> {
@@ -244,7 +255,7 @@ impl Loader for Files<'_> {
         let file = given_file(self.folder_of(from), path)?;
         let problem = |error: TableError| Problem { message: error.to_string(), help: error.help };
         let bytes = std::fs::read(&file).map_err(|error| unreadable(path, &error))?;
-        self.tables.lock().unwrap_or_else(PoisonError::into_inner).push(file.clone());
+        self.note_table(&file, &bytes);
         let mut table = TableFile::of_bytes(&self.folder_of(from).join(path), bytes).map_err(problem)?;
         let headings = table.headings().iter().skip(1);
         let names = headings.map(|heading| match heading.with_unit() {

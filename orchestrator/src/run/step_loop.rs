@@ -206,9 +206,11 @@ impl<'a, W: Observer> StepLoop<'a, W> {
         if self.options.hands_over_rows() {
             let Self { plan, state, observer, stack, .. } = self;
             let State { visible, visible_shared, inputs, carried, .. } = state;
-            let time_s = plan.seconds(tick);
-            let moment = Moment { outputs: visible, time_s, rises: carried.conditions.rises(), shared: visible_shared };
-            observer.row(tick, |row| plan.row.fill(&moment, inputs, stack, &row));
+            observer.row(tick, |row| {
+                let (time_s, rises) = (plan.seconds(tick), carried.conditions.rises());
+                let moment = Moment { outputs: visible, time_s, rises, shared: visible_shared };
+                plan.row.fill(&moment, inputs, stack, &row);
+            });
         }
     }
 

@@ -37,6 +37,22 @@ fn a_whole_unit_is_its_inputs_and_outputs_and_a_part_has_its_units() {
 }
 
 #[test]
+fn parts_of_a_value_have_names_of_their_own() {
+    let lines = "let place = quad.state.position
+for i in 1..2 {
+  let gaps = [quad.roll, quad.roll * i]
+  record gaps[2]
+}
+use lead = \"uav.scn\"
+record place.{x, z}, place.y, lead.ways[2], lead.ways[1]";
+    let outcome = run_with(&flight(lines), &[]);
+    let scenario = outcome.resolved.scenario.expect("no error");
+    let names: Vec<_> = scenario.columns.iter().map(|column| column.name.as_str()).collect();
+    let of_rounds = ["gaps[1][2]", "gaps[2][2]"];
+    assert_eq!(names, [&of_rounds[..], &["place.x", "place.z", "place.y", "lead.ways[2]", "lead.ways[1]"]].concat());
+}
+
+#[test]
 fn elements_of_all_instances_are_judged_together_in_order_of_their_index() {
     let lines = "for i in 9..11 { fmu far[i] = \"quadcopter\" }
 assert all_low: always max(far[*].state.position.z) < 3 m

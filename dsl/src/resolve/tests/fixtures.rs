@@ -197,6 +197,7 @@ const UAV: &str = "param speed = 3 m/s
 fmu air = \"wind\" every 20 ms { mean = [speed, 0 m/s, 0 m/s], seed = seed, stream = 7 }
 fmu body = \"quadcopter\"
 let double = 2 * speed
+let ways = [body.roll, 2 * body.roll]
 air.velocity -> body.wind
 assert low: always body.state.position.z < 100 m
 ";

@@ -5,7 +5,7 @@
 
 use super::judged::{Decision, Join, Joined, Judged};
 use super::memory::{ClaimsMemory, Layout};
-use super::stream::{GateTest, Sample, Stream, gated, horizon, is_bounded, reach_before, reach_of_body};
+use super::stream::{GateTest, Sample, Stream, gated, horizon, is_bounded, reach_of_body, reaches};
 use super::until::UntilMemory;
 use super::window::Window;
 use crate::expression::SlotOf;
@@ -48,10 +48,9 @@ impl GatedHistory {
         layout: &mut Layout,
         slot_of: &mut SlotOf<'_>,
     ) -> Self {
-        let horizon = horizon(body).max(horizon(gate));
-        let reach_of = |of: fn(TickWindow, TickWindow) -> TickWindow| window.map_or(reach, |window| of(reach, window));
-        let gate = History::new(gate, reach_of(reach_of_body), layout, slot_of);
-        let body = History::new(body, reach_of(reach_before), layout, slot_of);
+        let (horizon, [of_gate, of_body]) = (horizon(body).max(horizon(gate)), reaches(reach, window));
+        let gate = History::new(gate, of_gate, layout, slot_of);
+        let body = History::new(body, of_body, layout, slot_of);
         Self { join, horizon, body, gate, test: GateTest::new(reach, layout) }
     }
 

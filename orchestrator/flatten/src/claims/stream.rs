@@ -144,6 +144,11 @@ impl Part {
     }
 }
 
+/// The ticks at which gate and body of `implies` (without a window) or `until` are asked for.
+pub(super) fn reaches(reach: TickWindow, window: Option<TickWindow>) -> [TickWindow; 2] {
+    window.map_or([reach; 2], |window| [reach_of_body(reach, window), reach_before(reach, window)])
+}
+
 impl GatedParts {
     /// Compiles the parts of `implies` (without a window) or `until`.
     pub(super) fn new(
@@ -152,10 +157,9 @@ impl GatedParts {
         layout: &mut Layout,
         slot_of: &mut SlotOf<'_>,
     ) -> Self {
-        let horizon = horizon(body).max(horizon(gate));
-        let reach_of = |of: fn(TickWindow, TickWindow) -> TickWindow| window.map_or(reach, |window| of(reach, window));
-        let gate = Part::new(gate, (horizon, reach_of(reach_of_body)), layout, slot_of);
-        let body = Part::new(body, (horizon, reach_of(reach_before)), layout, slot_of);
+        let (horizon, [of_gate, of_body]) = (horizon(body).max(horizon(gate)), reaches(reach, window));
+        let gate = Part::new(gate, (horizon, of_gate), layout, slot_of);
+        let body = Part::new(body, (horizon, of_body), layout, slot_of);
         Self { join, body, gate, test: GateTest::new(reach, layout) }
     }
 
