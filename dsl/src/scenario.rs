@@ -342,6 +342,8 @@ pub struct Column {
     pub source: ColumnSource,
     /// Its period in ticks.
     pub every: u64,
+    /// The first tick with a value; before it its cells are empty.
+    pub from_tick: u64,
 }
 
 /// What a column shows.
@@ -364,7 +366,7 @@ impl Column {
     /// A column that shows a port at each tick.
     #[must_use]
     pub fn of_port(name: impl Into<String>, port: Port) -> Self {
-        Self { name: name.into(), source: ColumnSource::Port(port), every: 1 }
+        Self { name: name.into(), source: ColumnSource::Port(port), every: 1, from_tick: 0 }
     }
 
     /// The port, unless it shows a `let`.

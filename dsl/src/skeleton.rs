@@ -7,7 +7,7 @@ use std::fmt::Write;
 use fmi2::description::{Causality, Kind, ModelDescription};
 use fmi2::printable;
 
-use crate::parse::{is_plain_unit, parse_assignment};
+use crate::parse::parse_assignment;
 use crate::scenario::duration;
 use crate::source::Sources;
 use crate::spelling;
@@ -64,9 +64,9 @@ impl<'a> Skeleton<'a> {
                 let line = format!("{sign}{} -> {}", written(self.units, source), written(self.units, &found.target));
                 let why = match (is_connected, self.refused[index], found.by_name) {
                     (true, ..) => "",
-                    (_, true, _) => "  (the units do not allow it together with the others)",
-                    (_, _, true) => "  (several fit)",
-                    (_, _, false) => "  (fits by its members)",
+                    (_, true, _) => "  # the units do not allow it together with the others",
+                    (_, _, true) => "  # several fit",
+                    (_, _, false) => "  # fits by its members",
                 };
                 let _ = writeln!(text, "{line}{why}");
             }
@@ -112,8 +112,7 @@ fn examples(units: &[Loaded]) -> String {
         let measure = unit.description.unit_of(variable).filter(|measure| *measure != "1").unwrap_or_default();
         let measure = match measure {
             "" => String::new(),
-            plain if is_plain_unit(plain) => format!(" {plain}"),
-            own => format!(" '{own}'"),
+            unit => format!(" {}", spelling::unit(unit)),
         };
         let _ = writeln!(text, "# assert small: always abs({}) < 1{measure}", name(unit, &variable.name));
     }

@@ -33,16 +33,7 @@ pub fn scenario() -> Scenario {
 /// A claim that holds.
 pub fn claim(name: &str, text: &str) -> Claim {
     let formula = Formula::Condition(BooleanExpression::Constant(true));
-    Claim {
-        name: name.to_owned(),
-        text: text.to_owned(),
-        line: 34,
-        formula,
-        unit: None,
-        limit: None,
-        parts: Vec::new(),
-        gates: Vec::new(),
-    }
+    Claim { name: name.to_owned(), text: text.to_owned(), line: 34, ..Claim::of(formula) }
 }
 
 /// The record of a run that is in progress.

@@ -1,5 +1,6 @@
 //! How scripts write the names of a unit's variables, some of which need quotes, and texts.
 
+use crate::parse::is_plain_unit;
 use std::borrow::Cow;
 
 /// The name of a variable as a script writes it: `state.position.x`, `plant.'der(x)'`. What is in quotes already, as
@@ -39,6 +40,12 @@ fn is_index(index: &str) -> bool {
     index.split(',').all(|number| number.parse::<u32>().is_ok_and(|value| value.to_string() == number))
 }
 
+/// A unit of measure as a script writes it: other than simple names in quotes.
+#[must_use]
+pub fn unit(unit: &str) -> String {
+    if is_plain_unit(unit) { unit.to_owned() } else { format!("'{unit}'") }
+}
+
 /// A text as a script writes it: in double quotes, with escapes for what cannot be in them.
 #[must_use]
 pub fn text(text: &str) -> String {
@@ -68,4 +75,14 @@ fn names_are_quoted_from_the_part_on_that_is_no_word() {
 #[test]
 fn quotes_and_line_breaks_of_texts_are_escaped() {
     assert_eq!(text("a \"b\"\nC:\\d"), r#""a \"b\"\nC:\\d""#);
+}
+
+#[test]
+fn a_unit_of_measure_is_quoted_where_it_is_no_plain_name() {
+    for plain in ["m/s^2", "%", "°C", "m²", "km/h"] {
+        assert_eq!(unit(plain), plain);
+    }
+    for quoted in ["N.m", "in", "at", "1/s", "N-m", "m22", "a b", ""] {
+        assert_eq!(unit(quoted), format!("'{quoted}'"));
+    }
 }

@@ -9,6 +9,7 @@ use super::grid::Least;
 use super::meaning::{Meaning, Real};
 use super::path::Root;
 use super::real;
+use super::running::latest_start;
 use super::scope::Scope;
 use super::script::Declaration;
 use super::signal::Signal;
@@ -56,14 +57,24 @@ impl<'a> Scope<'_, 'a> {
         };
         for (name, source) in self.expanded(path).iter().flat_map(|path| self.recorded(path)) {
             let Some(every) = every else { continue };
-            match columns.by_name.get(&name) {
+            let from_tick = match &source {
+                ColumnSource::Real { value, .. } => latest_start(value).map_or(0, |(tick, _)| tick),
+                ColumnSource::Port(_) | ColumnSource::Condition(_) => 0,
+            };
+            let column = Column { name, source, every, from_tick };
+            match columns.by_name.get(&column.name) {
                 None => {
-                    columns.by_name.insert(name.clone(), (columns.all.len(), path.span));
-                    columns.all.push(Column { name, source, every });
+                    columns.by_name.insert(column.name.clone(), (columns.all.len(), path.span));
+                    columns.all.push(column);
                 }
-                Some(&(first, _)) if columns.all[first].every == every => {}
+                Some(&(first, _)) if columns.all[first] == column => {}
+                Some(&(first, place)) if columns.all[first].every == every => {
+                    let name = column.name;
+                    let error = Diagnostic::error("E24", path.span, format!("two columns are called `{name}`"));
+                    self.report(error.label(place, "recorded here first").help("rename one of the `let`s"));
+                }
                 Some(&(_, first)) => {
-                    let message = format!("`{name}` is recorded with two periods");
+                    let message = format!("`{}` is recorded with two periods", column.name);
                     let error = Diagnostic::error("E25", path.span, message).label(first, "recorded here first");
                     self.report(error.help("record it in one line"));
                 }

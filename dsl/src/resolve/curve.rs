@@ -13,7 +13,7 @@ use crate::loader::{Table, TableColumn};
 use crate::nearest::nearest;
 use crate::scenario::{Curve, RealExpression};
 use crate::source::Span;
-use crate::syntax::{Expression, ExpressionKind, Word};
+use crate::syntax::Expression;
 
 /// A table that was read, with the curve of each of its columns; `None` if it cannot be read, which was reported.
 pub(super) type Loaded = Option<Rc<(Table, Vec<Arc<Curve>>)>>;
@@ -93,9 +93,7 @@ impl Scope<'_, '_> {
         let Some(unit) = &column.unit else {
             return Some(Real::computed(value, Measure::Undeclared, None));
         };
-        let word = Word { text: unit.clone(), span };
-        let place = Expression { kind: ExpressionKind::Boolean(true), span, parenthesised: false };
-        let base = self.unit_of_measure(&word, &place)?;
+        let base = self.unit_of_table(unit, span)?;
         let name = Some(unit_name(unit, base, true));
         Some(Real::computed(real::to_si(value, base), Measure::Known(base.dimension), name).on(Scale::of(base)))
     }

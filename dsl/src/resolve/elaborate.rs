@@ -5,6 +5,7 @@ mod part;
 mod round;
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 use super::Request;
 use super::findings::Findings;
@@ -22,9 +23,14 @@ pub(super) struct Elaboration<'a> {
     found: Vec<Diagnostic>,
     /// The texts of the parts that the present statement is in.
     open_parts: Vec<u32>,
-    /// How many rounds of loops there have been.
-    rounds: usize,
+    /// How many rounds of loops and parts there have been.
+    blocks: usize,
+    /// The places of the declared names that indices and ranges of loops refer to.
+    used: BTreeSet<Span>,
 }
+
+/// How many rounds of loops and parts a script may have together: more than anybody means, and little memory.
+const MOST_BLOCKS: usize = 100_000;
 
 /// A name that a statement declares.
 struct Declares<'a> {
@@ -36,26 +42,25 @@ struct Declares<'a> {
     full: String,
 }
 
-/// The statements of the script, sorted; what is wrong with them goes to `findings`.
-pub(super) fn elaborate<'a>(request: &Request<'a>, findings: &mut Findings) -> Script<'a> {
-    let (script, found, open_parts) = (Script::default(), Vec::new(), Vec::new());
-    let mut elaboration = Elaboration { request: *request, script, found, open_parts, rounds: 0 };
+/// The statements of the script, sorted, and the places of the declared names that they have used so far; what is wrong with
+/// them goes to `findings`.
+pub(super) fn elaborate<'a>(request: &Request<'a>, findings: &mut Findings) -> (Script<'a>, BTreeSet<Span>) {
+    let (script, found, open_parts, used) = (Script::default(), Vec::new(), Vec::new(), BTreeSet::new());
+    let mut elaboration = Elaboration { request: *request, script, found, open_parts, blocks: 0, used };
     elaboration.block(FrameId::SCRIPT, &request.file.statements);
     elaboration.found.drain(..).for_each(|finding| findings.add(finding, None));
     elaboration.require();
     elaboration.found.into_iter().for_each(|finding| findings.add_of_file(finding));
-    elaboration.script
+    (elaboration.script, elaboration.used)
 }
 
 impl<'a> Elaboration<'a> {
     /// Takes the statements of a file or of a round.
     fn block(&mut self, frame: FrameId, statements: &'a [Statement]) {
-        // Loops count by values that may be declared after them.
-        let is_value =
-            |statement: &&Statement| matches!(statement.kind, StatementKind::Param(_) | StatementKind::Let(_));
-        let has_loop = statements.iter().any(|statement| matches!(statement.kind, StatementKind::For { .. }));
-        statements.iter().filter(|it| has_loop && is_value(it)).for_each(|it| self.take(frame, it));
-        statements.iter().filter(|it| !(has_loop && is_value(it))).for_each(|it| self.take(frame, it));
+        // Ranges and indices may use values that are declared after them.
+        let is_value = |it: &&Statement| matches!(it.kind, StatementKind::Param(_) | StatementKind::Let(_));
+        statements.iter().filter(is_value).for_each(|statement| self.take(frame, statement));
+        statements.iter().filter(|statement| !is_value(statement)).for_each(|statement| self.take(frame, statement));
     }
 
     fn take(&mut self, frame: FrameId, statement: &'a Statement) {
@@ -106,6 +111,18 @@ impl<'a> Elaboration<'a> {
         }
     }
 
+    /// Counts rounds or parts; false if there are too many, which is reported.
+    fn has_room(&mut self, count: usize, span: Span) -> bool {
+        let has_room = self.blocks.saturating_add(count) <= MOST_BLOCKS;
+        if has_room {
+            self.blocks += count;
+        } else {
+            let message = format!("this script has more than {MOST_BLOCKS} rounds of loops and parts");
+            self.found.push(Diagnostic::error("E39", span, message).help("count to less"));
+        }
+        has_room
+    }
+
     /// That a statement about the whole run is in a loop or a part.
     fn refuse_in_block(&mut self, word: &str, span: Span, is_loop: bool) {
         let (place, help) = match is_loop {
@@ -118,9 +135,11 @@ impl<'a> Elaboration<'a> {
 
     /// Evaluates something with the names that have been declared so far; what is wrong with it is kept.
     fn with_scope<T>(&mut self, frame: FrameId, work: impl FnOnce(Scope<'_, 'a>) -> T) -> T {
-        let shared = Shared::of(self.request, std::mem::take(&mut self.script), Findings::default());
+        let (script, used) = (std::mem::take(&mut self.script), std::mem::take(&mut self.used));
+        let shared = Shared::of(self.request, (script, used), Findings::default());
         let value = work(shared.top().at(frame));
         self.found.extend(shared.finish().0);
+        self.used = shared.used.take();
         self.script = shared.script;
         value
     }
@@ -149,8 +168,7 @@ impl<'a> Elaboration<'a> {
     fn claim(&mut self, frame: FrameId, name: &'a Name, claim: &'a Expression) {
         let Some(Declares { full, .. }) = self.name(frame, name) else { return };
         if let Some(&first) = self.script.claim_names.get(&full) {
-            let error = Diagnostic::error("E24", name.span, format!("two claims are called `{full}`"));
-            self.found.push(error.label(first, "the first").help("rename one of them"));
+            self.found.push(called_twice("claims", &full, name.span, first));
         }
         self.script.claim_names.entry(full.clone()).or_insert(name.span);
         self.script.claims.push(Placed { frame, part: ClaimLine { name: full, span: name.span, claim } });
@@ -180,12 +198,12 @@ impl<'a> Elaboration<'a> {
             description: unit.ok(),
         };
         self.declare(home, key, word, Declaration::Instance(self.script.instances.len(), word), &RESERVED);
+        // Names without rounds and parts were compared when they were declared.
         if let Some(first) = self.script.instance_names.insert(full.clone(), instance.name.span)
-            && first != instance.name.span
             && word.text != full
+            && instance.name.index.is_empty()
         {
-            let error = Diagnostic::error("E24", instance.name.span, format!("two units are called `{full}`"));
-            self.found.push(error.label(first, "the first").help("rename one of them"));
+            self.found.push(called_twice("units", &full, instance.name.span, first));
         }
         self.script.instances.push(declared);
     }
@@ -219,13 +237,15 @@ impl<'a> Elaboration<'a> {
             return;
         }
         if let Err(first) = self.script.frames.declare(frame, key.clone(), declaration) {
-            let again = |how| Diagnostic::error("E24", name.span, format!("`{key}` is declared {how}"));
-            self.found.push(if first == name.span {
+            // Values are taken first, wherever they are written.
+            let (first, second) = (first.min(name.span), first.max(name.span));
+            let again = |how| Diagnostic::error("E24", second, format!("`{key}` is declared {how}"));
+            self.found.push(if first == second {
                 again("in several rounds").help("give it the counters of all loops around it as its index")
             } else {
                 again("twice").label(first, "declared here first").help("rename one of them")
             });
-            self.script.frames.refuse_if_unlike(frame, name, declaration);
+            self.script.frames.refuse_if_unlike(frame, &key, declaration);
         }
     }
 
@@ -254,6 +274,15 @@ impl<'a> Elaboration<'a> {
             },
         );
     }
+}
+
+/// That two claims or units have one name, which one statement may give them in several rounds.
+fn called_twice(what: &str, name: &str, span: Span, first: Span) -> Diagnostic {
+    let error = Diagnostic::error("E24", span, format!("two {what} are called `{name}`"));
+    if first == span {
+        return error.help("give the name the counters of all loops around it as its index");
+    }
+    error.label(first, "the first").help("rename one of them")
 }
 
 /// The first word of a statement that is about the whole run.

@@ -49,7 +49,7 @@ impl Scope<'_, '_> {
                 Trigger::At(_) => touches.extend(own_touches),
                 Trigger::When(_) | Trigger::While(_) => self.check_overlap(&own_touches),
             }
-            let (statement, condition) = (self.statement(window.trigger.span), self.window_text(window));
+            let (statement, condition) = (scope.statement(window.trigger.span), scope.window_text(window));
             events.push(Event { trigger, lasting, actions, statement, condition });
         }
         self.check_overlap(&touches);
@@ -135,10 +135,11 @@ impl Scope<'_, '_> {
         sets
     }
 
-    /// The name of the file without its folders, so that results are the same wherever the script is, and the line.
+    /// File and line, and which part or round it is: `uav.scn:12 of wing[1]`, `a.scn:7 of [2]`.
     fn statement(&self, span: Span) -> String {
-        let name = &self.request.sources.of(span).name;
-        format!("{}:{}", name.rsplit('/').next().unwrap_or(name), self.line(span))
+        let place = format!("{}:{}", self.file_name(span), self.line(span));
+        let block = self.script.frames.full_name(self.frame(), "");
+        if block.is_empty() { place } else { format!("{place} of {}", block.trim_end_matches('.')) }
     }
 
     fn window_text(&self, window: &Window) -> String {

@@ -163,7 +163,12 @@ impl Scope<'_, '_> {
             Root::Unknown if path.root.text == "seed" => {
                 return self.narrowed_by(self.implicit_seed()?, &path.tail, path);
             }
-            Root::Unknown => return self.refuse_unknown_name(&path.root, |_| true, &RESERVED),
+            Root::Unknown => {
+                return match self.wrong_index(path) {
+                    Some(error) => self.refuse(error),
+                    None => self.refuse_unknown_name(&path.root, |_| true, &RESERVED),
+                };
+            }
         };
         let meaning = match part {
             Declaration::Parameter(binding) => self.at(frame).binding(binding, self.at(frame).assigned(binding))?,

@@ -141,6 +141,7 @@ impl Scope<'_, '_> {
 
     fn difference(&self, kind: &str, value: &Meaning, target: Port, span: Span) -> Option<RealExpression> {
         let value = self.read_for(&self.operand(value, span)?, target, span)?;
+        self.refuse_running(&value.expression, span)?;
         let name = self.port_name(target);
         if value.scale == (Scale::Point { offset: true }) {
             let message = format!("`{kind}` is a difference, and `{}` is a point on a scale", self.text(span));
@@ -173,6 +174,7 @@ impl Scope<'_, '_> {
     fn probability(&self, operand: &Expression) -> Option<RealExpression> {
         let meaning = self.evaluate(operand)?;
         let value = self.real(&meaning, operand.span)?;
+        self.refuse_running(&value.expression, operand.span)?;
         if !matches!(value.measure, Measure::Undeclared | Measure::PLAIN) {
             let message = format!("expected a probability, found {}", self.described(&value));
             return self.refuse(Diagnostic::error("E02", operand.span, message).help("write for example `loss 5 %`"));
@@ -192,6 +194,7 @@ impl Scope<'_, '_> {
             return Some(0);
         }
         let declared = self.look_up("seed");
+        self.shared.used.borrow_mut().extend(declared.map(|found| found.part.span()));
         let seed = match declared.map(|found| (found.frame, found.part)) {
             Some((frame, Declaration::Parameter(binding))) => self.at(frame).binding(binding, self.assigned(binding)),
             _ => self.implicit_seed(),

@@ -75,7 +75,7 @@ impl Scope<'_, '_> {
             (Kind::String { .. }, Meaning::Text(Text::Port(port))) => Drive::Copy(*port),
             (_, value) => return self.refuse(self.types_differ(value, target, at)),
         };
-        self.refuse_running(&drive, at.source)?;
+        self.refuse_driving_running(&drive, at.source)?;
         self.check_limits(&drive, target, at)?;
         Some(Fitted::Drive(drive))
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::script::Declaration;
 use crate::source::Span;
-use crate::syntax::{Expression, Word};
+use crate::syntax::Expression;
 
 /// A frame, by its index in [`Frames`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -102,6 +102,11 @@ impl<'a> Frames<'a> {
         &self.0[part.0].prefix
     }
 
+    /// Whether a frame is in a part.
+    pub fn is_in_part(&self, frame: FrameId) -> bool {
+        self.file_of(frame) != FrameId::SCRIPT
+    }
+
     /// The value that `use` gives to a parameter of a part.
     pub fn given(&self, frame: FrameId, parameter: &str) -> Option<Placed<&'a Expression>> {
         self.0[frame.0].values.get(parameter).copied()
@@ -119,9 +124,9 @@ impl<'a> Frames<'a> {
 
     /// After a second declaration of a name: if one is an instance and the other is none, uses of the name report nothing,
     /// because it is not known which of them is meant.
-    pub fn refuse_if_unlike(&mut self, frame: FrameId, name: &'a Word, second: Declaration<'a>) {
+    pub fn refuse_if_unlike(&mut self, frame: FrameId, name: &str, second: Declaration<'a>) {
         let is_instance = |declaration: &Declaration<'_>| matches!(declaration, Declaration::Instance(..));
-        if let Some(first) = self.0[frame.0].names.get_mut(&*name.text)
+        if let Some(first) = self.0[frame.0].names.get_mut(name)
             && is_instance(first) != is_instance(&second)
         {
             *first = Declaration::Refused(first.word());
@@ -149,6 +154,7 @@ impl<'a> Frames<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::syntax::Word;
 
     fn word(text: &str, start: u32) -> Word {
         Word { text: text.to_owned(), span: Span { text: 0, start, end: start + 1 } }

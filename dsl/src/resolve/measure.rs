@@ -6,7 +6,6 @@ use fmi2::units::{BaseUnit, Dimension};
 use super::meaning::{Measure, Origin, Real, UnitName};
 use super::real;
 use super::scope::Scope;
-use crate::parse::is_plain_unit;
 use crate::scenario::{MarginUnit, Port, RealExpression};
 
 /// Dimensions with an everyday name; exponents of kg m s A K mol cd rad.
@@ -58,11 +57,6 @@ pub(super) fn si_name(dimension: Dimension) -> String {
         };
     }
     name
-}
-
-/// A unit of measure as a script writes it: other than simple names in quotes.
-pub(super) fn as_written(unit: &str) -> String {
-    if is_plain_unit(unit) { unit.to_owned() } else { format!("'{unit}'") }
 }
 
 /// A unit for people; on a scale with an offset, differences are in SI.
@@ -138,16 +132,6 @@ fn a_dimension_is_written_as_a_script_can_read_it() {
     assert_eq!(si_name(Dimension([0, 0, -1, 0, 0, 0, 0, 0])), "s^-1");
     assert_eq!(si_name(Dimension([1, -1, -2, 0, 0, 0, 0, 0])), "kg/m/s^2");
     assert_eq!(si_name(Dimension::NONE), "");
-}
-
-#[test]
-fn a_unit_of_measure_is_quoted_where_it_is_no_plain_name() {
-    for plain in ["m/s^2", "%", "°C", "m²", "km/h"] {
-        assert_eq!(as_written(plain), plain);
-    }
-    for quoted in ["N.m", "in", "at", "1/s", "N-m", "m22", "a b", ""] {
-        assert_eq!(as_written(quoted), format!("'{quoted}'"));
-    }
 }
 
 #[test]

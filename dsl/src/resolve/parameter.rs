@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::frame::{FrameId, Placed};
 use super::meaning::{Meaning, Origin, Real, Text};
-use super::measure::{as_written, quantity, si_name};
+use super::measure::{quantity, si_name};
 use super::scope::Scope;
 use super::script::Declaration;
 use crate::diagnostic::Diagnostic;
@@ -180,6 +180,6 @@ fn number(value: &Real) -> Option<String> {
     };
     Some(match unit.as_str() {
         "" => number.to_string(),
-        unit => format!("{number} {}", as_written(unit)),
+        unit => format!("{number} {}", spelling::unit(unit)),
     })
 }

@@ -25,8 +25,8 @@ impl<'a> Scope<'_, 'a> {
     /// part is refused.
     pub fn root<'p>(self, path: &'p Path) -> Root<'p, 'a> {
         match self.root_or_part(path) {
-            Root::Declared(Placed { part: Declaration::Part(part, name), .. }, _) => {
-                self.report(self.whole_part(part, name, path));
+            Root::Declared(Placed { part: Declaration::Part(part, _), .. }, _) => {
+                self.report(self.whole_part(part, path));
                 Root::Reported
             }
             root => root,
@@ -55,6 +55,22 @@ impl<'a> Scope<'_, 'a> {
         Root::Declared(found, tail)
     }
 
+    /// That a name has no such index, if it has others.
+    pub fn wrong_index(self, path: &Path) -> Option<Diagnostic> {
+        let Some((Segment::Index(index, span), _)) = path.tail.split_first() else { return None };
+        let begins = format!("{}[", path.root.text);
+        let known = self.script.frames.known(self.frame()).map(|(name, _)| name);
+        let mut indices: Vec<_> = known.filter(|name| name.starts_with(&begins)).collect();
+        indices.sort_by_key(|name| (name.len(), *name));
+        let message = format!("there is no `{}{}`", path.root.text, self.index_text(index)?);
+        let error = Diagnostic::error("E01", *span, message);
+        Some(match indices.as_slice() {
+            [] => return None,
+            [only] => error.help(format!("there is `{only}`")),
+            [first, .., last] => error.help(format!("there are {} of them, from `{first}` to `{last}`", indices.len())),
+        })
+    }
+
     /// A name with the index behind it, if there is one.
     fn indexed<'p>(
         self,
@@ -70,7 +86,7 @@ impl<'a> Scope<'_, 'a> {
     /// The name in a part that a path goes on with.
     fn within<'p>(self, part: FrameId, name: &Word, tail: &'p [Segment], path: &Path) -> Option<Onward<'p, 'a>> {
         let Some((Segment::Field(word), rest)) = tail.split_first() else {
-            return self.refuse(self.whole_part(part, name, path));
+            return self.refuse(self.whole_part(part, path));
         };
         let own = move |scope: Self, name: &str| scope.script.frames.own(part, name);
         if let Some(found) = own(self, &word.text) {
@@ -88,11 +104,11 @@ impl<'a> Scope<'_, 'a> {
         self.refuse(Diagnostic::error("E01", word.span, message).help(help))
     }
 
-    fn whole_part(self, part: FrameId, name: &Word, path: &Path) -> Diagnostic {
+    fn whole_part(self, part: FrameId, path: &Path) -> Diagnostic {
         let message = format!("`{}` is a whole part, and one of its units is meant here", self.text(path.span));
         let first = self.script.frames.names(part).find(|(_, it)| matches!(it, Declaration::Instance(..)));
         let help = first.map_or("a part without units has nothing to name".to_owned(), |(first, _)| {
-            format!("for example `{}.{first}`", name.text)
+            format!("for example `{}.{first}`", self.text(path.span))
         });
         Diagnostic::error("E01", path.span, message).help(help)
     }

@@ -59,10 +59,10 @@ impl Scope<'_, '_> {
     /// Warns of instances that draw the same random numbers.
     pub fn warn_of_equal_noise(&self, presets: &[Vec<Preset>]) {
         let instances = &self.script.instances;
-        let mut first_of: BTreeMap<(&str, String), usize> = BTreeMap::new();
+        let mut first_of: BTreeMap<(usize, String), usize> = BTreeMap::new();
         for (later, declared) in instances.iter().enumerate() {
             let Some(noise) = self.noise(later, presets) else { continue };
-            let twin = *first_of.entry((&declared.unit.text, format!("{noise:?}"))).or_insert(later);
+            let twin = *first_of.entry((declared.unit_index, format!("{noise:?}"))).or_insert(later);
             if twin != later {
                 let (first, second) = (&instances[twin], declared);
                 let message = format!("`{}` and `{}` draw the same random numbers", first.name, second.name);

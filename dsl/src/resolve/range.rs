@@ -1,4 +1,6 @@
-//! `a..b` in `for` and `sweep`, and lists there: values that are known before the run.
+//! What `for` counts through: `a..b`, or a list of values that are known before the run.
+
+use fmi2::units::BaseUnit;
 
 use super::meaning::{Meaning, Measure, Origin, Real};
 use super::measure::quantity;
@@ -7,7 +9,7 @@ use crate::diagnostic::Diagnostic;
 use crate::scenario::RealExpression;
 use crate::syntax::{Expression, ExpressionKind};
 
-/// The values that a counter or an axis takes, at most so many and one more: the integers of a range in its written unit, or
+/// The values that a counter takes, at most so many and one more: the integers of a range in its written unit, or
 /// the elements of a list.
 pub(super) fn counted(scope: Scope<'_, '_>, range: &Expression, most: usize) -> Option<Vec<Real>> {
     let ExpressionKind::Range(from, to) = &range.kind else { return listed(scope, range) };
@@ -15,9 +17,9 @@ pub(super) fn counted(scope: Scope<'_, '_>, range: &Expression, most: usize) -> 
     let (from_meaning, to_meaning) = (from_meaning?, to_meaning?);
     let (first, last) = (scope.real(&from_meaning, from.span)?, scope.real(&to_meaning, to.span)?);
     let unit = last.unit.clone();
-    let factor = match last.origin {
-        Origin::Literal { base, .. } => base.factor,
-        _ => 1.0,
+    let base = match last.origin {
+        Origin::Literal { base, .. } => base,
+        _ => BaseUnit::default(),
     };
     let is_bare = matches!(first.origin, Origin::Literal { has_unit: false, .. });
     if !is_bare && first.measure != last.measure {
@@ -31,7 +33,7 @@ pub(super) fn counted(scope: Scope<'_, '_>, range: &Expression, most: usize) -> 
     let mut ends = Vec::new();
     for (value, end, is_bare) in [(&first, from, is_bare), (&last, to, false)] {
         let Some(si) = value.constant() else { return scope.refuse(scope.must_be_known(end.span)) };
-        let number = if is_bare { si } else { si / factor };
+        let number = if is_bare { si } else { base.from_si(si) };
         let whole = number.round();
         if (number - whole).abs() > 1e-9 * number.abs().max(1.0) || whole.abs() > 1e9 {
             let message = format!("a range counts whole numbers, and `{}` is none", scope.text(end.span));
@@ -47,7 +49,7 @@ pub(super) fn counted(scope: Scope<'_, '_>, range: &Expression, most: usize) -> 
             Origin::Literal { base, has_unit, .. } => Origin::Literal { number, base, has_unit },
             other => other,
         };
-        let expression = RealExpression::Constant(number * factor);
+        let expression = RealExpression::Constant(base.to_si(number));
         Real { expression, unit: unit.clone(), origin, ..last.clone() }
     };
     Some((0..count).map(value).collect())

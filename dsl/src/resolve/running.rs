@@ -76,15 +76,20 @@ impl Scope<'_, '_> {
     }
 
     /// Refuses a running value that would go to a unit.
-    pub fn refuse_running(&self, drive: &Drive, span: Span) -> Option<()> {
-        let first = match drive {
-            Drive::Real(value) => latest_start(value),
-            Drive::Boolean(condition) => latest_start_of(condition),
-            _ => None,
-        };
-        if first.is_none() {
-            return Some(());
+    pub fn refuse_driving_running(&self, drive: &Drive, span: Span) -> Option<()> {
+        match drive {
+            Drive::Real(value) => self.refuse_running(value, span),
+            Drive::Boolean(condition) if latest_start_of(condition).is_some() => self.refuse_as_running(span),
+            _ => Some(()),
         }
+    }
+
+    /// The same for a real value.
+    pub fn refuse_running(&self, value: &E, span: Span) -> Option<()> {
+        if latest_start(value).is_some() { self.refuse_as_running(span) } else { Some(()) }
+    }
+
+    fn refuse_as_running<T>(&self, span: Span) -> Option<T> {
         let message = format!("`{}` is a running value, which no unit can be given", self.text(span));
         let error = Diagnostic::error("E30", span, message);
         self.refuse(error.help("put it into a unit; in a script running values stand in claims, conditions and `let`s"))

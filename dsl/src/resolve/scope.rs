@@ -2,7 +2,7 @@
 //!
 //! [`Shared`] holds all of that; a [`Scope`] is a small handle that says in which frame names are looked up.
 
-use std::cell::{Cell, RefCell};
+use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
 use std::rc::Rc;
@@ -49,7 +49,7 @@ pub(super) struct Shared<'a> {
     /// The places of the declared names that something refers to.
     pub(super) used: RefCell<BTreeSet<Span>>,
     /// The units of measure that loaded units define, each meaning with the first instance whose unit does.
-    pub(super) loaded: BTreeMap<String, Vec<(BaseUnit, usize)>>,
+    pub(super) loaded: OnceCell<BTreeMap<String, Vec<(BaseUnit, usize)>>>,
 }
 
 /// The meanings of names, by the frame that declares them; `None` if there is none.
@@ -85,15 +85,15 @@ impl<'a> Shared<'a> {
     /// Sorts the statements of the script.
     pub fn new(request: Request<'a>) -> Self {
         let mut findings = Findings::default();
-        let script = elaborate(&request, &mut findings);
-        Self::of(request, script, findings)
+        let elaborated = elaborate(&request, &mut findings);
+        Self::of(request, elaborated, findings)
     }
 
-    /// With these statements and findings.
-    pub fn of(request: Request<'a>, script: Script<'a>, findings: Findings) -> Self {
+    /// With these statements, the places of declared names that they use, and findings.
+    pub fn of(request: Request<'a>, (script, used): (Script<'a>, BTreeSet<Span>), findings: Findings) -> Self {
         Self {
             request,
-            loaded: super::unit_name::loaded(&script),
+            loaded: OnceCell::new(),
             script,
             settings: request.settings.iter().map(|setting| (setting.name.text.as_str(), setting)).collect(),
             grid: Cell::new(Known::NotYet),
@@ -103,7 +103,7 @@ impl<'a> Shared<'a> {
             conditions: RefCell::default(),
             driven_by: RefCell::default(),
             tables: RefCell::default(),
-            used: RefCell::default(),
+            used: RefCell::new(used),
         }
     }
 
@@ -242,6 +242,12 @@ impl<'s, 'a> Scope<'s, 'a> {
     /// The text of the script at a place, on one line.
     pub fn text(&self, span: Span) -> String {
         one_line(self.request.sources.slice(span))
+    }
+
+    /// The file of a place without its folders, so that results are the same wherever the script is.
+    pub fn file_name(&self, span: Span) -> &str {
+        let name = self.shared.request.sources.of(span).name.as_str();
+        name.rsplit('/').next().unwrap_or(name)
     }
 
     /// The line of a place, from 1.

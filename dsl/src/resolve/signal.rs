@@ -53,6 +53,9 @@ impl Scope<'_, '_> {
             Root::Declared(found, tail) => (found.part, tail),
             Root::Reported => return None,
             Root::Unknown => {
+                if let Some(error) = self.wrong_index(path) {
+                    return self.refuse(error);
+                }
                 let is_meant =
                     |declared: &Declaration<'_>| matches!(declared, Declaration::Instance(..) | Declaration::Part(..));
                 return self.refuse_unknown_name(&path.root, is_meant, &[]);

@@ -4,12 +4,13 @@ use fmi2::units::parse;
 
 use super::fit::Meeting;
 use super::meaning::{Measure, Origin, Real};
-use super::measure::{as_written, si_name, six_digits};
+use super::measure::{si_name, six_digits};
 use super::scope::Scope;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::listed;
 use crate::scenario::Port;
 use crate::source::Span;
+use crate::spelling;
 
 impl Scope<'_, '_> {
     /// Warns where the number that a variable gets is not what both units of measure say.
@@ -26,7 +27,7 @@ impl Scope<'_, '_> {
                 let (source, si) = (self.text(at.source), si_name(dimension));
                 let message = format!("{}; the value is passed in {si}", self.is_in_undefined(&name, unit, target));
                 let warning = Diagnostic::warning("W01", at.source, message);
-                let help = format!("to convert it write `({source}) in {}`", as_written(unit));
+                let help = format!("to convert it write `({source}) in {}`", spelling::unit(unit));
                 let accept = format!("to accept it write `({source}) in {si}`");
                 let converts = parse(unit).is_ok_and(|base| base.dimension == dimension);
                 self.report(warning.help(if converts { format!("{help}; {accept}") } else { accept }));
@@ -52,7 +53,7 @@ impl Scope<'_, '_> {
             (Ok(gives), Ok(takes)) => gives.dimension == takes.dimension,
             _ => false,
         };
-        let (gives, takes) = (as_written(gives), as_written(takes));
+        let (gives, takes) = (spelling::unit(gives), spelling::unit(takes));
         let convert = match is_undefined {
             [true, true] => format!("({from} as {gives}) in {takes}"),
             [true, false] => format!("{from} as {gives}"),
@@ -103,7 +104,7 @@ impl Scope<'_, '_> {
             return;
         }
         let undefined = of.and_then(|port| Some((port, self.undefined_unit(port)?)));
-        let written = as_written(value.unit.as_ref().map_or("", |unit| unit.spelt.as_str()));
+        let written = spelling::unit(value.unit.as_ref().map_or("", |unit| unit.spelt.as_str()));
         let si_unit = si_name(base.dimension);
         let shown = if si_unit.is_empty() { String::new() } else { format!(" ({si_unit})") };
         let why = match undefined {
@@ -115,7 +116,9 @@ impl Scope<'_, '_> {
         let accept = format!("to accept it write `{accept}`");
         let converted = undefined.filter(|(_, unit)| parse(unit).is_ok_and(|own| own.dimension == base.dimension));
         let help = match converted {
-            Some((_, unit)) => format!("to convert it write `{number} {written} in {}`; {accept}", as_written(unit)),
+            Some((_, unit)) => {
+                format!("to convert it write `{number} {written} in {}`; {accept}", spelling::unit(unit))
+            }
             None if si == number => accept,
             None => format!("to pass {number} write `{number} {written} in {written}`; {accept}"),
         };

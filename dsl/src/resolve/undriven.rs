@@ -7,7 +7,6 @@ use fmi2::description::{Causality, Kind, Variable};
 use fmi2::units::BaseUnit;
 
 use super::assign::Role;
-use super::measure::as_written;
 use super::scope::Scope;
 use super::unit::Unit;
 use super::wire::Wired;
@@ -138,7 +137,7 @@ fn next_part(name: &str, from: usize) -> &str {
 /// What follows the number or list of a variable in a script: a blank and a unit of measure, or nothing.
 fn behind(unit: &Unit, variable: usize) -> String {
     match (unit.unit_of(variable), unit.base_of(variable)) {
-        (Some(name), Some(base)) if base != BaseUnit::default() => format!(" {}", as_written(name)),
+        (Some(name), Some(base)) if base != BaseUnit::default() => format!(" {}", spelling::unit(name)),
         _ => String::new(),
     }
 }

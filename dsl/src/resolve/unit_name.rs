@@ -10,8 +10,8 @@ use super::scope::Scope;
 use super::script::Script;
 use crate::diagnostic::{Diagnostic, Edit};
 use crate::nearest::nearest;
-use crate::parse::is_plain_unit;
 use crate::source::Span;
+use crate::spelling;
 use crate::syntax::{Expression, ExpressionKind, Word};
 
 impl Scope<'_, '_> {
@@ -57,6 +57,27 @@ impl Scope<'_, '_> {
         }
     }
 
+    /// The unit of measure that the head of a column names, which `curve` reads at a place.
+    pub fn unit_of_table(&self, unit: &str, span: Span) -> Option<BaseUnit> {
+        match (parse(unit), self.meanings_of_unit(unit)) {
+            (_, [_, _, ..]) => {
+                let error =
+                    Diagnostic::error("E33", span, format!("`{unit}`, the unit of this column, has two meanings here"));
+                self.refuse(error.help("write the column in another unit"))
+            }
+            (_, [(loaded, _)]) => Some(*loaded),
+            (Ok(built_in), []) => Some(built_in),
+            (Err(unknown), []) => {
+                let error = Diagnostic::error("E11", span, format!("the unit of this column: {unknown}"));
+                let known = "write a unit that is built in or that a loaded unit defines";
+                self.refuse(match unknown.suggestion {
+                    Some(near) => error.help(format!("in the file, did you mean `{near}`?")),
+                    None => error.help(known),
+                })
+            }
+        }
+    }
+
     /// A literal whose unit has an offset, such as degC, as the operand of a computation.
     pub fn is_offset_literal(&self, expression: &Expression) -> bool {
         let unit = match &expression.kind {
@@ -78,13 +99,14 @@ impl Scope<'_, '_> {
 
     /// What loaded units define under this name, each meaning once, with the first instance whose unit does.
     pub fn meanings_of_unit(&self, name: &str) -> &[(BaseUnit, usize)] {
-        self.loaded.get(name).map_or(&[], Vec::as_slice)
+        let loaded = self.shared.loaded.get_or_init(|| loaded(&self.shared.script));
+        loaded.get(name).map_or(&[], Vec::as_slice)
     }
 
     fn near_loaded(&self, written: &str) -> Option<String> {
         let units = self.script.units();
         let names = units.flat_map(|unit| &unit.units).map(|unit| unit.name.as_str());
-        nearest(written, names).map(|near| if is_plain_unit(near) { near.to_owned() } else { format!("'{near}'") })
+        nearest(written, names).map(spelling::unit)
     }
 
     /// That a factor is written into a unit: `2 m/s*k`.

@@ -134,6 +134,10 @@ impl Scope<'_, '_> {
     fn two_drivers(&self, at: Meeting<'_>, port: Port, first: &Driver) -> Diagnostic {
         let (sink, driver, second) = (self.text(at.target), self.text(first.source), self.text(at.source));
         let message = format!("`{sink}` already gets its value from `{driver}` (line {})", self.line(first.source));
+        if first.target == at.target {
+            let error = Diagnostic::error("E03", at.target, format!("`{sink}` gets a value in several rounds"));
+            return error.help("an input has one driver: give the target the counter of the loop as its index");
+        }
         let error = Diagnostic::error("E03", at.target, message).label(first.target, "driven here first");
         let arrow = at.arrow.unwrap_or("->");
         let adds = matches!(self.variable(port).kind, Kind::Real(_)) && self.text(first.target) == sink;

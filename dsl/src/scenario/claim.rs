@@ -10,6 +10,8 @@ pub struct Claim {
     pub name: String,
     /// The claim as written, on one line.
     pub text: String,
+    /// The file of the `assert`, without its folders, if that is a part.
+    pub part: Option<String>,
     /// Line of the `assert` in its file, from 1.
     pub line: usize,
     /// What must hold at tick 0.
@@ -22,6 +24,15 @@ pub struct Claim {
     pub parts: Vec<ClaimPart>,
     /// For each gate of the formula the sentence that says that it never opened; inner gates before outer ones.
     pub gates: Vec<String>,
+}
+
+impl Claim {
+    /// A claim of which nothing but its meaning is known.
+    #[must_use]
+    pub fn of(formula: Formula) -> Self {
+        let (name, text, part, line) = (String::new(), String::new(), None, 1);
+        Self { name, text, part, line, formula, unit: None, limit: None, parts: Vec::new(), gates: Vec::new() }
+    }
 }
 
 /// A comparison or condition of a claim, as reports show it.

@@ -165,7 +165,7 @@ fn brackets_nested_too_deeply_are_one_error() {
 
 #[test]
 fn a_star_declares_no_name_and_is_reported_beside_an_index() {
-    let star = "error[E20]: `*` as an index is not known to this version of lockstep yet";
+    let star = "error[E22]: `*` is a whole index, as in `record a[*]`, and declares no name";
     for script in ["fmu a[*] = \"wind\"", "assert b[1, *]: a.x > 0", "record a.m[*, 1]"] {
         assert_eq!(messages(script), [star], "{script}");
     }

@@ -3,7 +3,7 @@
 use crate::values::ValueType;
 use dsl::scenario::{Column, ColumnSource, Scenario};
 use fmi2::description::{Kind, ModelDescription, Variable};
-use results::signals::{Signal, SlotType, time};
+use results::signals::{Due, Signal, SlotType, time};
 
 /// The signals of a scenario's columns, in their order; `description_of` returns the description of an instance.
 pub fn of<'a>(
@@ -29,7 +29,7 @@ fn of_script<'a>(column: &'a Column, (kind, slot_type): (&'static str, SlotType)
         causality: "local",
         description: None,
         slot_type,
-        every: column.every,
+        due: due(column),
         ..time()
     }
 }
@@ -49,8 +49,12 @@ fn signal<'a>(
         description: variable.description.as_deref(),
         items: description.items_of(variable).iter().map(|item| (item.value, item.name.as_str())).collect(),
         slot_type: slot_type(ValueType::of(variable)),
-        every: column.every,
+        due: due(column),
     }
+}
+
+fn due(column: &Column) -> Due {
+    Due { every: column.every, from_tick: column.from_tick }
 }
 
 fn kind_name(variable: &Variable) -> &'static str {

@@ -6,7 +6,7 @@ use dsl::scenario::{Action, Connection, Drive, InitialStep, Port, RealExpression
 use dsl::spelling;
 use fmi2::description::{Causality, ModelDescription, Variable};
 use fmi2::printable;
-use results::shortest_decimal;
+use results::{counted, shortest_decimal};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -36,7 +36,7 @@ struct Plan<'a> {
     descriptions: &'a [ModelDescription],
 }
 
-/// What one line tells about connections that look alike.
+/// What one line shows of connections that look alike.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Arrow {
     /// As its only element is written.
@@ -120,7 +120,7 @@ impl Plan<'_> {
         }
     }
 
-    /// What stands on the left where no port does.
+    /// What is on the left where no port does.
     fn alone(&self, source: &Drive) -> String {
         match source {
             Drive::Real(RealExpression::Constant(value)) => shortest_decimal(*value),
@@ -275,11 +275,6 @@ fn converted(expression: &RealExpression) -> Option<Port> {
 
 fn width<'a>(texts: impl Iterator<Item = &'a str>) -> usize {
     texts.map(|text| text.chars().count()).max().unwrap_or(0)
-}
-
-/// A number of things: `1 step`, `2 steps`.
-fn counted(count: usize, what: &str) -> String {
-    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
 
 #[cfg(test)]

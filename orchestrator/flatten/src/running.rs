@@ -22,6 +22,12 @@ impl RunningValues {
         Self { all: shared.iter().enumerate().filter_map(running).collect() }
     }
 
+    /// Whether memories can be those of these values.
+    #[must_use]
+    pub fn fit(&self, memories: &[RunningMemory]) -> bool {
+        memories.len() == self.all.len()
+    }
+
     /// The memories before the first sample.
     #[must_use]
     pub fn memories(&self) -> Vec<RunningMemory> {

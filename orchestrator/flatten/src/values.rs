@@ -90,6 +90,21 @@ impl Values {
         }
     }
 
+    /// Whether a slot of these values of one layout holds the same; Reals are compared bit by bit, but any two NaN are the
+    /// same.
+    #[must_use]
+    pub fn is_same(&self, other: &Self, Slot { base, index }: Slot) -> bool {
+        match base {
+            ValueType::Real => {
+                let (one, other) = (self.reals[index], other.reals[index]);
+                one.to_bits() == other.to_bits() || one.is_nan() && other.is_nan()
+            }
+            ValueType::Integer => self.integers[index] == other.integers[index],
+            ValueType::Boolean => self.booleans[index] == other.booleans[index],
+            ValueType::Text => self.texts[index] == other.texts[index],
+        }
+    }
+
     /// Copies these ranges from values of the same layout; allocates only where a text is longer than its buffer.
     pub fn copy_ranges(&mut self, from: &Self, ranges: &Ranges) {
         self.reals[ranges.reals.clone()].copy_from_slice(&from.reals[ranges.reals.clone()]);

@@ -10,7 +10,7 @@
 //! in Arrow's `Message.fbs` and `Schema.fbs`. Every cell of a table has 4 bytes here, since none of the values needs
 //! more.
 
-use super::signals::{Signal, SlotType};
+use super::signals::{Due, Signal, SlotType};
 use base64::prelude::{BASE64_STANDARD, Engine};
 
 /// The key in the file's metadata.
@@ -55,7 +55,7 @@ fn field(signal: &Signal<'_>) -> Value {
     Value::Table(vec![
         text(signal.name),
         // Whether it can be empty.
-        (signal.every != 1).then_some(Value::Number(1)),
+        (signal.due != Due::ALWAYS).then_some(Value::Number(1)),
         Some(Value::Number(kind)),
         Some(Value::Table(attributes)),
         None,
@@ -145,12 +145,14 @@ mod tests {
 
     #[test]
     fn only_a_column_that_is_not_always_due_is_nullable() {
-        let nullable = |every| {
-            let Value::Table(fields) = field(&Signal { every, ..signal("quad.x", SlotType::Real) }) else { panic!() };
+        let nullable = |every, from_tick| {
+            let due = Due { every, from_tick };
+            let Value::Table(fields) = field(&Signal { due, ..signal("quad.x", SlotType::Real) }) else { panic!() };
             fields[1].clone()
         };
-        assert!(nullable(1).is_none());
-        assert!(matches!(nullable(2), Some(Value::Number(1))));
+        assert!(nullable(1, 0).is_none());
+        assert!(matches!(nullable(2, 0), Some(Value::Number(1))));
+        assert!(matches!(nullable(1, 5), Some(Value::Number(1))));
     }
 
     #[test]

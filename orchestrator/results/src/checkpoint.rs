@@ -19,7 +19,7 @@ use unit::time::seconds;
 /// How every checkpoint file begins.
 pub const MAGIC: &[u8; 8] = b"LOCKCKPT";
 /// The version of the layout.
-pub const FORMAT: u32 = 4;
+pub const FORMAT: u32 = 5;
 
 /// What must be equal in a run and in the saved run that it continues.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -7,7 +7,7 @@
 use super::TraceError;
 use super::run_folder::PartialFile;
 use super::run_record::RunState;
-use super::signals::{DueRows, SlotType, is_due};
+use super::signals::{Due, DueRows, SlotType};
 use super::sink::Sink;
 use std::io::{self, Write};
 use unit::time::seconds;
@@ -24,8 +24,8 @@ pub struct CsvColumn {
     pub name: String,
     /// The type of its slots.
     pub slot_type: SlotType,
-    /// Its period in ticks; between them its cells are empty.
-    pub every: u64,
+    /// When it has a value.
+    pub due: Due,
 }
 
 /// Turns rows into text.
@@ -33,9 +33,9 @@ pub struct CsvColumn {
 pub struct CsvWriter<W: Write> {
     out: W,
     step_ns: u64,
-    /// The type of the slots of each column, and its period in ticks.
-    columns: Vec<(SlotType, u64)>,
-    due: DueRows,
+    /// The type of the slots of each column, and when it has a value.
+    columns: Vec<(SlotType, Due)>,
+    rows: DueRows,
     texts: Texts,
     /// Long enough for a piece and a row; what is not yet written ends at `filled`.
     buffer: Vec<u8>,
@@ -55,10 +55,10 @@ impl<W: Write> CsvWriter<W> {
         let filled = buffer.len();
         let widest_row = (columns.len() + 1) * (LONGEST + 1) + 1;
         buffer.resize(filled.max(PIECE) + widest_row, 0);
-        let due = DueRows::new(columns.iter().map(|column| column.every));
+        let rows = DueRows::new(columns.iter().map(|column| column.due));
         let texts = Texts::new(4 * columns.len());
-        let columns = columns.iter().map(|column| (column.slot_type, column.every)).collect();
-        Self { out, step_ns, columns, due, texts, buffer, filled }
+        let columns = columns.iter().map(|column| (column.slot_type, column.due)).collect();
+        Self { out, step_ns, columns, rows, texts, buffer, filled }
     }
 
     /// Adds the row of a tick, if a column is due: one slot for each column, the bits of a Real, else the number widened.
@@ -67,15 +67,15 @@ impl<W: Write> CsvWriter<W> {
     /// The error of the writer.
     pub fn row(&mut self, tick: u64, slots: &[u64]) -> io::Result<()> {
         assert_eq!(slots.len(), self.columns.len(), "a row has one slot for each column");
-        if !self.due.contain(tick) {
+        if !self.rows.contain(tick) {
             return Ok(());
         }
         let Self { texts, buffer, filled, .. } = self;
         let mut place = Place { buffer, filled: *filled };
         place.add(real_text(&mut zmij::Buffer::new(), seconds(tick, self.step_ns)));
-        for (&(slot_type, every), &slot) in self.columns.iter().zip(slots) {
+        for (&(slot_type, due), &slot) in self.columns.iter().zip(slots) {
             place.add_byte(b',');
-            if is_due(tick, every) {
+            if due.contains(tick) {
                 texts.append(number(slot_type, slot), &mut place);
             }
         }
@@ -222,7 +222,7 @@ mod tests {
     use super::*;
 
     fn columns(list: &[(&str, SlotType)]) -> Vec<CsvColumn> {
-        list.iter().map(|&(name, slot_type)| CsvColumn { name: name.to_owned(), slot_type, every: 1 }).collect()
+        list.iter().map(|&(name, slot_type)| CsvColumn { name: name.to_owned(), slot_type, due: Due::ALWAYS }).collect()
     }
 
     fn text(columns: &[CsvColumn], rows: &[&[u64]]) -> String {
@@ -266,9 +266,18 @@ mod tests {
     #[test]
     fn a_cell_is_empty_where_its_column_is_not_due_and_a_row_where_none_is_due_is_missing() {
         let mut columns = columns(&[("a.b", SlotType::Real), ("a.c", SlotType::Boolean)]);
-        (columns[0].every, columns[1].every) = (2, 3);
+        (columns[0].due.every, columns[1].due.every) = (2, 3);
         let row: &[u64] = &[1.5_f64.to_bits(), 1];
         let expected = "time,a.b,a.c\n0,1.5,1\n0.01,1.5,\n0.015,,1\n0.02,1.5,\n0.03,1.5,1\n";
+        assert_eq!(text(&columns, &[row; 7]), expected);
+    }
+
+    #[test]
+    fn cells_before_the_first_tick_of_a_column_are_empty_and_their_rows_stay() {
+        let mut columns = columns(&[("mean", SlotType::Real)]);
+        columns[0].due = Due { every: 2, from_tick: 3 };
+        let row: &[u64] = &[1.5_f64.to_bits()];
+        let expected = "time,mean\n0,\n0.01,\n0.02,1.5\n0.03,1.5\n";
         assert_eq!(text(&columns, &[row; 7]), expected);
     }
 

@@ -109,7 +109,7 @@ impl Graph {
         self.arrows.iter().filter(move |arrow| (arrow.from, arrow.to) == (from, to))
     }
 
-    /// Width and height of what stands between two nodes.
+    /// Width and height of the gap between two nodes.
     fn card_size(&self, from: usize, to: usize) -> (f64, f64) {
         let letters =
             self.between(from, to).map(|arrow| arrow.text().chars().count() + arrow.measure().chars().count() + 2);

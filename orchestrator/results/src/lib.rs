@@ -78,6 +78,12 @@ impl fmt::Display for TraceError {
 
 impl std::error::Error for TraceError {}
 
+/// `1 claim`, `2 claims`.
+#[must_use]
+pub fn counted(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
 /// The shortest decimal that reads back to the same number, without `.0`.
 #[must_use]
 pub fn shortest_decimal(value: f64) -> String {

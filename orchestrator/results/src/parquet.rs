@@ -7,7 +7,7 @@
 
 use super::run_folder::PartialFile;
 use super::run_record::RunState;
-use super::signals::{DueRows, Signal, SlotType, is_due};
+use super::signals::{Due, DueRows, Signal, SlotType};
 use super::sink::Sink;
 use super::{TraceError, arrow_schema};
 use parquet::basic::{Compression, Encoding, Repetition, Type as PhysicalType};
@@ -33,7 +33,7 @@ const GROUP_BLOCKS: usize = 32;
 #[derive(Debug)]
 pub struct ParquetFile {
     path: PathBuf,
-    due: DueRows,
+    rows: DueRows,
     /// The block that is being filled: for each row the tick, then its slots.
     block: Vec<u64>,
     block_words: usize,
@@ -58,15 +58,15 @@ impl ParquetFile {
         let started = thread::Builder::new().name("parquet".to_owned()).spawn(write);
         started.map_err(TraceError::io("start a thread to write", &path))?;
         let block_words = block_words(signals.len());
-        let due = DueRows::new(signals.iter().skip(1).map(|signal| signal.every));
-        Ok(Self { path, due, block: Vec::with_capacity(block_words), block_words, blocks, ended })
+        let rows = DueRows::new(signals.iter().skip(1).map(|signal| signal.due));
+        Ok(Self { path, rows, block: Vec::with_capacity(block_words), block_words, blocks, ended })
     }
 }
 
 impl Sink for ParquetFile {
     /// The error may be that of an earlier row.
     fn row(&mut self, tick: u64, slots: &[u64]) -> Result<(), TraceError> {
-        if !self.due.contain(tick) {
+        if !self.rows.contain(tick) {
             return Ok(());
         }
         self.block.push(tick);
@@ -117,7 +117,7 @@ struct Columns<W: Write> {
 
 /// One column of a row group that is not yet written.
 struct Column {
-    every: u64,
+    due: Due,
     /// For each row 1 if there is a value and 0 if not; unused if the column is due at every tick.
     levels: Vec<i16>,
     values: Values,
@@ -134,7 +134,7 @@ impl<W: Write + Send> Columns<W> {
     fn begin(out: W, step_ns: u64, signals: &[Signal<'_>]) -> Written<Self> {
         let fields = signals.iter().map(|signal| {
             let column = Type::primitive_type_builder(signal.name, physical_type(signal.slot_type));
-            let repetition = if signal.every == 1 { Repetition::REQUIRED } else { Repetition::OPTIONAL };
+            let repetition = if signal.due == Due::ALWAYS { Repetition::REQUIRED } else { Repetition::OPTIONAL };
             column.with_repetition(repetition).build().map(Arc::new)
         });
         let schema = Type::group_type_builder("trace").with_fields(fields.collect::<Written<_>>()?).build()?;
@@ -161,12 +161,12 @@ impl<W: Write + Send> Columns<W> {
         let rows = || block.chunks_exact(width);
         self.times.extend(rows().map(|row| seconds(row[0], self.step_ns)));
         for (column, at) in self.columns.iter_mut().zip(1..) {
-            let every = column.every;
-            if every == 1 {
+            let due = column.due;
+            if due == Due::ALWAYS {
                 column.values.extend(rows().map(|row| row[at]));
             } else {
-                column.levels.extend(rows().map(|row| i16::from(is_due(row[0], every))));
-                column.values.extend(rows().filter(|row| is_due(row[0], every)).map(|row| row[at]));
+                column.levels.extend(rows().map(|row| i16::from(due.contains(row[0]))));
+                column.values.extend(rows().filter(|row| due.contains(row[0])).map(|row| row[at]));
             }
         }
     }
@@ -178,12 +178,12 @@ impl<W: Write + Send> Columns<W> {
         }
         let mut group = self.writer.next_row_group()?;
         write_column::<_, DoubleType>(&mut group, &mut self.times, None)?;
-        for Column { every, levels, values } in &mut self.columns {
-            let due = (*every != 1).then_some(levels.as_slice());
+        for Column { due, levels, values } in &mut self.columns {
+            let present = (*due != Due::ALWAYS).then_some(levels.as_slice());
             match values {
-                Values::Reals(values) => write_column::<_, DoubleType>(&mut group, values, due),
-                Values::Integers(values) => write_column::<_, Int32Type>(&mut group, values, due),
-                Values::Booleans(values) => write_column::<_, BoolType>(&mut group, values, due),
+                Values::Reals(values) => write_column::<_, DoubleType>(&mut group, values, present),
+                Values::Integers(values) => write_column::<_, Int32Type>(&mut group, values, present),
+                Values::Booleans(values) => write_column::<_, BoolType>(&mut group, values, present),
             }?;
             levels.clear();
         }
@@ -198,7 +198,7 @@ impl Column {
             SlotType::Integer => Values::Integers(Vec::new()),
             SlotType::Boolean => Values::Booleans(Vec::new()),
         };
-        Self { every: signal.every, levels: Vec::new(), values }
+        Self { due: signal.due, levels: Vec::new(), values }
     }
 }
 
@@ -337,7 +337,7 @@ mod tests {
         let home = tempfile::tempdir().unwrap();
         let mut signals = signals();
         for (signal, every) in signals.iter_mut().skip(1).zip([2, 3, 6]) {
-            signal.every = every;
+            signal.due = Due { every, from_tick: 100 };
         }
         // More than one row group, of which none begins where all columns are due.
         let ticks = 5 * (GROUP_BLOCKS * block_words(signals.len()) / signals.len()) as u64;
@@ -348,7 +348,7 @@ mod tests {
         file.finish(RunState::Finished).unwrap();
         let read = read(&home);
         assert!(read.num_row_groups() > 1);
-        let value = |tick: u64, every, slot| tick.is_multiple_of(every).then_some(slot);
+        let value = |tick: u64, every, slot| (tick.is_multiple_of(every) && tick >= 100).then_some(slot);
         let due = (0..ticks).filter(|tick| tick.is_multiple_of(2) || tick.is_multiple_of(3));
         let expected = due.map(|tick| {
             let time = Some(seconds(tick, STEP_NS).to_bits());

@@ -39,9 +39,29 @@ pub struct Signal<'a> {
     /// The type of its slots.
     #[serde(skip)]
     pub slot_type: SlotType,
-    /// Its period in ticks: it is due at the multiples of it, and empty in the rows of other ticks.
+    /// When it has a value.
     #[serde(skip)]
+    pub due: Due,
+}
+
+/// The ticks at which a column has a value; in the rows of other ticks it is empty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Due {
+    /// The period in ticks: a value at each multiple of it.
     pub every: u64,
+    /// The first tick that counts.
+    pub from_tick: u64,
+}
+
+impl Due {
+    /// Every tick.
+    pub const ALWAYS: Self = Self { every: 1, from_tick: 0 };
+
+    #[inline]
+    pub(crate) fn contains(self, tick: u64) -> bool {
+        // Most columns are always due, and a division for each of their values would be the largest part of its cost.
+        (self.every == 1 || tick.is_multiple_of(self.every)) && tick >= self.from_tick
+    }
 }
 
 impl Signal<'_> {
@@ -75,20 +95,20 @@ pub fn time() -> Signal<'static> {
         description: Some("Simulated time"),
         items: BTreeMap::new(),
         slot_type: SlotType::Real,
-        every: 1,
+        due: Due::ALWAYS,
     }
 }
 
-/// The ticks at which a trace has a row: those at which one of its columns is due, all if it has none but the time.
+/// The ticks at which a trace has a row: the multiples of the periods of its columns, all if it has none but the time.
 #[derive(Clone, Debug)]
 pub struct DueRows {
     periods: Vec<u64>,
 }
 
 impl DueRows {
-    /// The rows of columns with these periods in ticks.
-    pub fn new(periods: impl Iterator<Item = u64>) -> Self {
-        let mut periods: Vec<_> = periods.collect();
+    /// The rows of these columns.
+    pub fn new(columns: impl Iterator<Item = Due>) -> Self {
+        let mut periods: Vec<_> = columns.map(|due| due.every).collect();
         periods.sort_unstable();
         periods.dedup();
         Self { periods }
@@ -98,15 +118,8 @@ impl DueRows {
     #[must_use]
     #[inline]
     pub fn contain(&self, tick: u64) -> bool {
-        self.periods.is_empty() || self.periods.iter().any(|&every| is_due(tick, every))
+        self.periods.is_empty() || self.periods.iter().any(|&every| every == 1 || tick.is_multiple_of(every))
     }
-}
-
-/// Whether a column with this period is due at a tick.
-#[inline]
-pub(crate) fn is_due(tick: u64, every: u64) -> bool {
-    // Most columns are always due, and a division for each of their values would be the largest part of its cost.
-    every == 1 || tick.is_multiple_of(every)
 }
 
 /// The text of the file.
@@ -119,8 +132,8 @@ pub fn json(signals: &[Signal<'_>]) -> String {
 #[must_use]
 pub fn csv_columns(signals: &[Signal<'_>]) -> Vec<CsvColumn> {
     let column = |signal: &Signal<'_>| {
-        let Signal { name, slot_type, every, .. } = *signal;
-        CsvColumn { name: name.to_owned(), slot_type, every }
+        let Signal { name, slot_type, due, .. } = *signal;
+        CsvColumn { name: name.to_owned(), slot_type, due }
     };
     signals.iter().skip(1).map(column).collect()
 }

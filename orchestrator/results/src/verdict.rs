@@ -65,18 +65,20 @@ impl Standing {
 
 impl PartialEq for Standing {
     fn eq(&self, other: &Self) -> bool {
-        (self.verdict, self.margin.to_bits(), self.worst_tick)
-            == (other.verdict, other.margin.to_bits(), other.worst_tick)
+        let key = |of: &Self| (of.verdict, of.margin.to_bits(), of.worst_tick, of.first_tick, of.part);
+        key(self) == key(other)
     }
 }
 
 /// The properties of a claim that reports show besides its standing.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClaimInfo {
     /// The name.
     pub name: String,
     /// The claim as written, on one line.
     pub text: String,
+    /// The file of the `assert`, if that is a part.
+    pub part_file: Option<String>,
     /// Line of the `assert` in its file, from 1.
     pub line: usize,
     /// The unit in which margins are shown; `None` where all margins are infinite.
@@ -153,7 +155,10 @@ pub struct JudgedClaim {
     pub at_s: Option<f64>,
     /// The claim as written.
     pub claim: String,
-    /// Its line in the script.
+    /// The file that it is in, if that is a part of the script.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// Its line in the file.
     pub line: usize,
     /// The constant that the claim compares with.
     pub limit: Option<f64>,
@@ -223,6 +228,7 @@ impl JudgedClaim {
             unit: claim.unit.as_ref().filter(|unit| !unit.name.is_empty()).map(|unit| unit.name.clone()),
             at_s: judged.then(|| seconds(standing.worst_tick, step_ns)),
             claim: claim.text.clone(),
+            file: claim.part_file.clone(),
             line: claim.line,
             limit,
             seen,
@@ -268,8 +274,7 @@ pub(crate) mod tests {
             line: 34,
             unit: unit.map(|(name, factor)| MarginUnit { name: name.to_owned(), factor }),
             limit: limit.map(|(value, upper)| Limit { value, upper }),
-            parts: Vec::new(),
-            gates: Vec::new(),
+            ..ClaimInfo::default()
         }
     }
 

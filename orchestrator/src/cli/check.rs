@@ -12,6 +12,7 @@ use dsl::scenario::Scenario;
 use flatten::listing;
 use fmi2::description::ModelDescription;
 use fmi2::printable;
+use results::counted;
 use results::report;
 use results::report::console::has_colour;
 use std::ffi::OsStr;
@@ -188,11 +189,6 @@ fn facts(scenario: &Scenario) -> String {
 /// For each instance what its unit says of itself.
 fn descriptions<'a>(script: &'a Script, scenario: &Scenario) -> Vec<&'a ModelDescription> {
     scenario.instances.iter().map(|instance| script.units[instance.unit].description.as_ref()).collect()
-}
-
-/// `1 claim`, `2 claims`.
-fn counted(count: usize, what: &str) -> String {
-    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use fmi2::printable;
 use results::recorder::Formats;
 use results::report;
 use results::report::console::Style;
-use results::report::table::{next_lines, replay_command};
+use results::report::table::{Heading, next_lines, replay_command};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -170,7 +170,7 @@ impl Run {
             return;
         }
         let replay = replay_command(&self.script, &verdict.parameters, &self.units);
-        let text = report::table::report(&outcome.heading(), verdict, &replay);
+        let text = report::table::report(&Heading { strict: self.strict, ..outcome.heading() }, verdict, &replay);
         report::result(&(text + &next_lines(outcome.folder.path(), self.record.is_none())));
     }
 }

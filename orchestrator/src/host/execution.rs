@@ -54,7 +54,7 @@ impl RunOutcome {
     #[must_use]
     pub fn heading(&self) -> Heading<'_> {
         let (state, wall_s) = (self.ended.state(), self.ended.wall.as_secs_f64());
-        Heading { script: &self.script, state, from_s: self.from_s, stop_s: self.stop_s, wall_s }
+        Heading { script: &self.script, state, from_s: self.from_s, stop_s: self.stop_s, wall_s, strict: false }
     }
 }
 

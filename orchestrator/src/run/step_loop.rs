@@ -1,6 +1,7 @@
 //! The loop: gather, judge, events, drive, step, record, tick for tick.
 //!
-//! It reads a plan, changes a state, and allocates, hashes, formats and waits for nothing but its workers. Next on the walk:
+//! It reads a plan and changes a state. A tick without events and checkpoints allocates nothing, and the loop waits for
+//! nothing but its workers. Next on the walk:
 //! the workers' units, `fmus/<unit>/src/lib.rs`, and back through `orchestrator/flatten/src/claims/` and `orchestrator/results`.
 
 mod checkpoint;

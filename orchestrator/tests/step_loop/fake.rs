@@ -168,18 +168,7 @@ impl Script {
 
     pub fn always(mut self, body: Formula) -> Self {
         let formula = Formula::Always(TickWindow { from: 0, to: None }, Box::new(body));
-        let (name, text) = (String::new(), String::new());
-        let claim = dsl::scenario::Claim {
-            name,
-            text,
-            line: 1,
-            formula,
-            unit: None,
-            limit: None,
-            parts: Vec::new(),
-            gates: Vec::new(),
-        };
-        self.scenario.claims.push(claim);
+        self.scenario.claims.push(dsl::scenario::Claim::of(formula));
         self
     }
 

@@ -110,6 +110,11 @@ pub(super) fn assignment_for_comparison(failure: &Failure<'_>) -> Option<Diagnos
     if failure.found() != "=" || !failure.expects("==") || failure.expects("->") || failure.expects("]") {
         return None;
     }
+    if failure.rest().starts_with("=<") {
+        let span = Span { end: failure.span().start + 2, ..failure.span() };
+        let error = Diagnostic::error("E00", span, "`=<` is no sign that compares").help("to compare write `<=`");
+        return Some(error.fix("write `<=`", [Edit::new(span, "<=")]));
+    }
     let error = error(failure, "`=` gives a value, it does not compare").help("to compare write `==`");
     Some(error.fix("write `==`", [Edit::new(failure.span(), "==")]))
 }

@@ -257,8 +257,8 @@ impl<'a> Walk<'a> {
     fn indices(&mut self, pair: Pair<'_, Rule>) -> Vec<Expression> {
         let (stars, index): (Vec<_>, Vec<_>) = pair.into_inner().partition(|part| part.as_rule() == Rule::star);
         for star in stars {
-            let message = "`*` as an index is not known to this version of lockstep yet";
-            self.diagnostics.push(Diagnostic::error("E20", self.span(&star), message).help("write a number"));
+            let message = "`*` is a whole index, as in `record a[*]`, and declares no name";
+            self.diagnostics.push(Diagnostic::error("E22", self.span(&star), message).help("write a number"));
         }
         index.into_iter().map(|part| self.expression(part)).collect()
     }

@@ -29,6 +29,9 @@ impl<'a> Elaboration<'a> {
             self.found.push(error.help("a part may use other parts only"));
             return self.refuse_name(home, name);
         }
+        if !self.has_room(1, place) {
+            return self.refuse_name(home, name);
+        }
         let values = self.values(frame, instance, part);
         let inner = self.script.frames.add_part(&full, values);
         self.declare(home, key, name, Declaration::Part(inner, name), &RESERVED);

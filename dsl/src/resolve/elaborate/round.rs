@@ -2,30 +2,23 @@
 
 use std::rc::Rc;
 
-use super::Elaboration;
-use crate::diagnostic::Diagnostic;
+use super::{Elaboration, MOST_BLOCKS};
 use crate::resolve::frame::FrameId;
 use crate::resolve::meaning::{Meaning, Real};
 use crate::resolve::range::counted;
 use crate::resolve::script::{Declaration, RESERVED};
 use crate::syntax::{Expression, Statement, Word};
 use std::borrow::Cow;
-
-/// How many rounds the loops of a script may have together: more than anybody means, and little memory.
-const MOST_ROUNDS: usize = 100_000;
+use std::collections::BTreeSet;
 
 impl<'a> Elaboration<'a> {
     pub(super) fn rounds(&mut self, frame: FrameId, counter: &'a Word, range: &'a Expression, body: &'a [Statement]) {
-        let values = self.with_scope(frame, |scope| counted(scope, range, MOST_ROUNDS));
+        let values = self.with_scope(frame, |scope| counted(scope, range, MOST_BLOCKS));
         let Some(values) = values else { return self.refuse_names(frame, body) };
-        if self.rounds + values.len() > MOST_ROUNDS {
-            let message = format!("the loops of this script have more than {MOST_ROUNDS} rounds");
-            self.found.push(Diagnostic::error("E39", range.span, message).help("count to less"));
+        if !self.has_room(values.len(), range.span) {
             return self.refuse_names(frame, body);
         }
-        self.rounds += values.len();
-        for (round, value) in values.into_iter().enumerate() {
-            let index = whole(&value).map_or_else(|| format!("[{}]", round + 1), |number| format!("[{number}]"));
+        for (index, value) in indices(&values).into_iter().zip(values) {
             let inner = self.script.frames.add_round(frame, &index);
             self.script.counters.push(Rc::new(Meaning::Real(value)));
             let declaration = Declaration::Counter(self.script.counters.len() - 1, counter);
@@ -34,7 +27,7 @@ impl<'a> Elaboration<'a> {
         }
     }
 
-    /// The names that the statements of a refused loop or part declare: their uses report nothing.
+    /// The names that the statements of a refused loop declare: their uses report nothing.
     pub(super) fn refuse_names(&mut self, frame: FrameId, statements: &'a [Statement]) {
         use crate::syntax::StatementKind;
         let file = self.script.frames.file_of(frame);
@@ -46,6 +39,18 @@ impl<'a> Elaboration<'a> {
             }
         }
     }
+}
+
+/// What names the rounds: the values of the counter if they are different whole numbers without a unit of measure, else
+/// the rounds' own numbers from 1.
+fn indices(values: &[Real]) -> Vec<String> {
+    let numbers: Option<BTreeSet<i64>> = values.iter().map(whole).collect();
+    let are_names = numbers.is_some_and(|numbers| numbers.len() == values.len());
+    let name = |(round, value): (usize, &Real)| match whole(value).filter(|_| are_names) {
+        Some(number) => format!("[{number}]"),
+        None => format!("[{}]", round + 1),
+    };
+    values.iter().enumerate().map(name).collect()
 }
 
 /// The number of a counter without a unit of measure.

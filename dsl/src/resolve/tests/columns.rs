@@ -10,7 +10,8 @@ fn columns(scenario: &Scenario) -> Vec<String> {
             ColumnSource::Real { unit, .. } => format!(" in {unit:?}"),
             ColumnSource::Condition(_) => " 0 or 1".to_owned(),
         };
-        format!("{}{source} every {}", column.name, column.every)
+        let from = if column.from_tick == 0 { String::new() } else { format!(" from {}", column.from_tick) };
+        format!("{}{source} every {}{from}", column.name, column.every)
     };
     scenario.columns.iter().map(shown).collect()
 }
@@ -26,6 +27,22 @@ record near, tilt, both[2], both every 30 ms
 record ctrl.rotor_speed, quad.roll";
     let lines = lines.replace("dist(quad.state.position, ctrl.setpoint_is)", "quad.height - ctrl.error");
     insta::assert_snapshot!(columns(&scenario(&flight(&(lines + "\nrecord error every 40 ms")))).join("\n"));
+}
+
+#[test]
+fn a_running_value_with_a_start_has_no_cell_before_it() {
+    let lines = "let settled = rms(quad.height, 2 s) / 2
+let both = [highest(quad.height, 1 s), quad.roll]
+let low = rms(quad.height, 2 s) < 1 m
+record settled every 20 ms
+record both, low";
+    let expected = [
+        "settled in \"m\" every 2 from 200",
+        "both[1] in \"ft\" every 1 from 100",
+        "both[2] in \"deg\" every 1",
+        "low 0 or 1 every 1",
+    ];
+    assert_eq!(columns(&scenario(&flight(lines))), expected);
 }
 
 #[test]

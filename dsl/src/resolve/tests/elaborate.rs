@@ -1,6 +1,6 @@
 //! Loops and parts: what a script with them is unrolled to.
 
-use super::fixtures::{flight, run_with, scenario, shown};
+use super::fixtures::{all_shown, flight, headings, run_with, scenario, shown};
 use crate::scenario::{Drive, RealExpression, Scenario, Value};
 
 /// Instances with their unit, period and Real start values; connections and claims by name.
@@ -78,6 +78,39 @@ assert low: always both.left.body.roll < 3 deg";
 }
 
 #[test]
+fn rounds_are_named_by_whole_values_only_if_all_are_different() {
+    let lines = "for v in [0.5, 1] { assert a: always quad.roll < v * 1 deg }
+for w in [2, 2] { assert b: always quad.roll < w * 1 deg }
+for x in [7, 3] { assert c: always quad.roll < x * 1 deg }
+for y in 20..21 degC { assert d: always ctrl.temperature < y }";
+    let scenario = scenario(&flight(lines));
+    let names: Vec<_> = scenario.claims.iter().map(|claim| claim.name.as_str()).collect();
+    assert_eq!(names, ["a[1]", "a[2]", "b[1]", "b[2]", "c[7]", "c[3]", "d[1]", "d[2]"]);
+}
+
+#[test]
+fn values_may_be_declared_after_the_loops_and_indices_that_use_them() {
+    let lines = "for i in 1..n { fmu air[i] = \"wind\" { stream = i } }\nfmu far[n] = \"quadcopter\"\nlet n = 2
+air[2].velocity -> far[2].wind";
+    let shown = all_shown(&flight(lines));
+    assert!(!shown.contains("error") && !shown.contains("`n` is not used"), "{shown}");
+}
+
+#[test]
+fn names_that_several_rounds_give_are_one_error_each() {
+    let lines = "for i in 1..2 { fmu a[1] = \"wind\" { stream = i }
+  wind.velocity -> quad.wind
+  let gap = i * quad.roll
+  assert b[1]: always gap < 1 deg
+  record gap }
+for i in 1..2 { fmu q = \"wind\" { stream = 3 + i }
+  let gap = 3 * i * quad.roll
+  record gap }
+for i in 1..2 { fmu q = \"wind\" { stream = 7 + i } }";
+    insta::assert_snapshot!(headings(&flight(lines)));
+}
+
+#[test]
 fn what_is_wrong_with_loops_and_parts_is_reported_at_its_place() {
     let lines = "for i in 1..quad.roll { let a = 1 }
 for j in 1 m..3 s { fmu lost[j] = \"wind\" }
@@ -94,6 +127,8 @@ use run = \"run.scn\"
 use part = \"uav.scn\" { sped = 3 m/s, speed = 4 m }
 use twice = \"uav.scn\" on a { speed = 1 m/s, speed = 2 m/s }
 lost[1].velocity -> quad.wind
+for r in 1..3 { fmu few[r] = \"wind\" { stream = r } }
+few[4].velocity -> quad.wind
 gone.body.state -> ctrl.state
 assert w: always part.bodi.roll < 3 deg
 assert x: always part < 3 deg

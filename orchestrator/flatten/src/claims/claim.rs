@@ -168,7 +168,7 @@ impl AtStart {
                 verdict,
                 margin: value.reported_margin(),
                 worst_tick: value.tick,
-                first_tick: self.first_failure(memory).unwrap_or(value.tick),
+                first_tick: self.first_failure(memory, value.part).unwrap_or(value.tick),
                 part: value.part,
             },
             None => Standing { verdict, ..Standing::UNKNOWN },
@@ -198,15 +198,18 @@ impl AtStart {
         }
     }
 
-    /// The tick of the first sample that fails what must hold throughout.
-    fn first_failure(&self, memory: &ClaimsMemory) -> Option<u64> {
-        match self {
-            Self::Junction(Join::All, parts) => parts.iter().filter_map(|part| part.first_failure(memory)).min(),
+    /// The tick of the first sample that fails what must hold throughout, if it was this part of the claim that failed.
+    fn first_failure(&self, memory: &ClaimsMemory, part: u32) -> Option<u64> {
+        let first = match self {
+            Self::Junction(Join::All, parts) => {
+                return parts.iter().filter_map(|each| each.first_failure(memory, part)).min();
+            }
+            Self::Gated(_, parts, _) => return parts.0.first_failure(memory, part),
             Self::Temporal(Temporal { join: Join::All, index, .. }) => memory.temporals[*index].first_failure,
             Self::Until(until) if until.parts.join == Join::Any => memory.temporals[until.before].first_failure,
-            Self::Gated(_, parts, _) => parts.0.first_failure(memory),
             _ => None,
-        }
+        };
+        first.filter(|(_, failed)| *failed == part).map(|(tick, _)| tick)
     }
 }
 

@@ -191,8 +191,8 @@ fn unbounded_until(
     let mut at_once = vec![None; judgeable + 1];
     at_once[judgeable] = complete.then(|| join.of_nothing(judgeable as u64));
     for tick in (0..judgeable).rev() {
-        let rest = both(join.opposite(), body[tick], at_once[tick + 1]);
-        at_once[tick] = both(join, rest, gate[tick]);
+        let rest = gated(join.opposite(), (body[tick], at_once[tick + 1]));
+        at_once[tick] = gated(join, (rest, gate[tick]));
     }
     // Before the window begins, φ counts alone.
     let mut before = Window::default();
@@ -205,16 +205,9 @@ fn unbounded_until(
         let whole = before.slide(join.opposite(), from as u64, turned, known);
         let begins = tick.saturating_add(from);
         let rest = if begins < judgeable { at_once[begins] } else { None };
-        values[tick] = if from == 0 { rest } else { both(join.opposite(), whole, rest) };
+        values[tick] = if from == 0 { rest } else { gated(join.opposite(), (whole, rest)) };
     }
     values
-}
-
-fn both(join: Join, one: Decision, other: Decision) -> Decision {
-    let mut joined = Joined::new(true);
-    joined.take(join, one);
-    joined.take(join, other);
-    joined.decision(join)
 }
 
 /// The values of a bounded operator; the values of its body after the last tick are not decided.

@@ -114,8 +114,8 @@ impl Join {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Joined {
     counts: Decision,
-    /// The tick of the first value that fails.
-    pub first_failure: Option<u64>,
+    /// The tick of the first value that fails, and the part of the claim that it comes from.
+    pub first_failure: Option<(u64, u32)>,
     /// Whether one of the values is not decided.
     open: bool,
     /// Whether no more values will come.
@@ -133,7 +133,7 @@ impl Joined {
     pub fn take(&mut self, join: Join, decision: Decision) -> bool {
         let Some(value) = decision else { return !std::mem::replace(&mut self.open, true) };
         if !value.holds() {
-            self.first_failure.get_or_insert(value.tick);
+            self.first_failure.get_or_insert((value.tick, value.part));
         }
         let counts = self.counts.is_none_or(|counts| join.prefers(value, counts));
         if counts {

@@ -139,7 +139,9 @@ impl Claims {
             && (memory.windows.len(), memory.histories.len()) == (windows.len(), histories.len())
             && (memory.untils.len(), memory.opened.len()) == (untils.len(), *gates)
             && memory.decisions.iter().all(in_time)
-            && memory.temporals.iter().all(|joined| in_time(&joined.counting()))
+            && memory.temporals.iter().all(|joined| {
+                in_time(&joined.counting()) && joined.first_failure.is_none_or(|(tick, _)| tick < samples)
+            })
             && memory.windows.iter().zip(windows).all(|(window, width)| window.fits(*width, samples))
             && memory.untils.iter().zip(untils).all(|(until, to)| until.fits(*to, samples))
             && memory.histories.iter().map(|values| values.len() as u64).eq(histories.iter().map(count))

@@ -48,6 +48,7 @@ pub fn info(claim: &Claim) -> ClaimInfo {
     ClaimInfo {
         name: claim.name.clone(),
         text: claim.text.clone(),
+        part_file: claim.part.clone(),
         line: claim.line,
         unit,
         limit,

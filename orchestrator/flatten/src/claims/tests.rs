@@ -51,17 +51,10 @@ fn horizon(formula: &Formula) -> u64 {
 }
 
 fn claims_of(formula: &Formula, stop_tick: u64) -> Claims {
-    let claim = Claim {
-        name: String::new(),
-        text: String::new(),
-        line: 1,
-        formula: formula.clone(),
-        unit: None,
-        limit: None,
-        parts: Vec::new(),
-        gates: Vec::new(),
-    };
-    Claims::new(&[claim], stop_tick, &mut |port| Slot { base: ValueType::Real, index: port.variable })
+    Claims::new(&[Claim::of(formula.clone())], stop_tick, &mut |port| Slot {
+        base: ValueType::Real,
+        index: port.variable,
+    })
 }
 
 fn take(claims: &Claims, memory: &mut ClaimsMemory, first_tick: u64, samples: &[[f64; 2]]) {

@@ -21,6 +21,8 @@ pub struct Heading<'a> {
     pub stop_s: f64,
     /// How long it took.
     pub wall_s: f64,
+    /// Whether claims that were not tested count as failed.
+    pub strict: bool,
 }
 
 /// The report of a run: heading, a line for each claim, how many failed and the line that replays it.
@@ -28,7 +30,7 @@ pub struct Heading<'a> {
 pub fn report(heading: &Heading, verdict: &VerdictFile, replay: &str) -> String {
     let mut text = heading_line(heading, verdict);
     text.push_str(&claim_lines(heading.script, &verdict.claims));
-    text.push_str(&count_line(verdict, replay));
+    text.push_str(&count_line(heading.strict, verdict, replay));
     text
 }
 
@@ -113,15 +115,15 @@ fn shortened(text: &str) -> String {
 }
 
 fn cells(script: &str, claim: &JudgedClaim) -> [String; 4] {
-    let written = shortened(&claim.claim);
+    let (written, file) = (shortened(&claim.claim), claim.file.as_deref().unwrap_or(script));
     let (verdict, detail) = match claim.verdict {
         Verdict::Holds => ("ok", written),
         Verdict::Untested => {
             let why = shortened(claim.untested.as_ref().unwrap_or(&claim.claim));
             return ["untested".to_owned(), claim.name.clone(), String::new(), why];
         }
-        Verdict::Fails => ("FAILED", format!("{script}:{}  {}", claim.line, value_seen(claim))),
-        Verdict::Undecided | Verdict::Unjudged => ("unjudged", format!("{script}:{}  {written}", claim.line)),
+        Verdict::Fails => ("FAILED", format!("{file}:{}  {}", claim.line, value_seen(claim))),
+        Verdict::Undecided | Verdict::Unjudged => ("unjudged", format!("{file}:{}  {written}", claim.line)),
     };
     [verdict.to_owned(), claim.name.clone(), margin(claim), detail]
 }
@@ -149,10 +151,13 @@ fn unit_suffix(claim: &JudgedClaim) -> String {
     claim.unit.as_ref().map_or_else(String::new, |unit| format!(" {unit}"))
 }
 
-fn count_line(verdict: &VerdictFile, replay: &str) -> String {
+fn count_line(strict: bool, verdict: &VerdictFile, replay: &str) -> String {
     let (count, all) = (verdict.count(), verdict.claims.len());
     let summary = match (count.failed, count.unjudged) {
         _ if all == 0 => return "No claims in this script: nothing was judged.\n".to_owned(),
+        (0, 0) if strict && count.untested > 0 => {
+            format!("{} of {all} claims not tested, which --strict counts as failed.", count.untested)
+        }
         (0, 0) => return holding_line(count.untested, all),
         (0, open) => format!("{open} of {all} claims could not be judged."),
         (failed, 0) => format!("{failed} of {all} claims failed."),
@@ -195,7 +200,7 @@ mod tests {
     }
 
     fn heading(state: RunState) -> Heading<'static> {
-        Heading { script: "scenarios/quad.scn", state, from_s: 0.0, stop_s: 90.0, wall_s: 6.2 }
+        Heading { script: "scenarios/quad.scn", state, from_s: 0.0, stop_s: 90.0, wall_s: 6.2, strict: false }
     }
 
     #[test]
@@ -236,16 +241,23 @@ mod tests {
 
     #[test]
     fn the_last_line_counts_failed_and_unjudged_claims() {
-        let make = |verdicts: &[Verdict]| {
+        let make_with = |strict: bool, verdicts: &[Verdict]| {
             let judged = verdicts.iter().map(|&verdict| (claim("a", "b", None, None), standing(verdict, 0.0, 0)));
-            let text = report_of(heading(RunState::Finished), 90.0, "stop time", &judged.collect::<Vec<_>>());
+            let heading = Heading { strict, ..heading(RunState::Finished) };
+            let text = report_of(heading, 90.0, "stop time", &judged.collect::<Vec<_>>());
             text.lines().nth(verdicts.len() + 1).map(str::to_owned).unwrap_or_default()
         };
+        let make = |verdicts: &[Verdict]| make_with(false, verdicts);
         let replay = "lockstep run scenarios/quad.scn --set 'gust = 4 m/s' replays it";
-        use Verdict::{Fails, Holds, Unjudged};
+        use Verdict::{Fails, Holds, Unjudged, Untested};
         assert_eq!(make(&[]), "No claims in this script: nothing was judged.");
         assert_eq!(make(&[Holds]), "The claim holds.");
         assert_eq!(make(&[Holds, Holds]), "All 2 claims hold.");
+        assert_eq!(make(&[Holds, Untested]), "All 2 claims hold, 1 of them untested.");
+        assert_eq!(
+            make_with(true, &[Holds, Untested]),
+            format!("1 of 2 claims not tested, which --strict counts as failed.  {replay}")
+        );
         assert_eq!(make(&[Holds, Unjudged]), format!("1 of 2 claims could not be judged.  {replay}"));
         assert_eq!(make(&[Fails, Holds]), format!("1 of 2 claims failed.  {replay}"));
         assert_eq!(make(&[Fails, Unjudged]), format!("1 of 2 claims failed, 1 could not be judged.  {replay}"));

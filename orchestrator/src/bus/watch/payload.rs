@@ -134,8 +134,7 @@ mod tests {
             line: 34,
             unit: unit.map(|(name, factor)| MarginUnit { name: name.to_owned(), factor }),
             limit: limit.map(|(value, upper)| Limit { value, upper }),
-            parts: Vec::new(),
-            gates: Vec::new(),
+            ..ClaimInfo::default()
         }
     }
 

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use unit::call_log::LONGEST_PIECE;
 
 /// The version of all messages.
-pub const PROTOCOL: u32 = 1;
+pub const PROTOCOL: u32 = 2;
 
 /// The most bytes of one log message or failure.
 const LONGEST_TEXT: usize = 256 << 10;
@@ -262,7 +262,7 @@ mod tests {
         let this = Handshake::this();
         assert_eq!(this.agrees_with(&this), Ok(()));
         let other = Handshake { protocol: 99, ..this.clone() };
-        assert_eq!(this.agrees_with(&other), Err("its worker has protocol 99, this program 1".to_owned()));
+        assert_eq!(this.agrees_with(&other), Err("its worker has protocol 99, this program 2".to_owned()));
         let other = Handshake { target: "pdp11-unix".to_owned(), ..this.clone() };
         assert!(this.agrees_with(&other).is_err_and(|message| message.contains("target pdp11-unix")));
     }

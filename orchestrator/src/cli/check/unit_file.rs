@@ -42,7 +42,7 @@ fn line(name: &str, finding: &Finding) -> String {
 }
 
 fn facts(description: &ModelDescription) -> String {
-    format!("{}, {}", description.model_name, super::counted(description.variables.len(), "variable"))
+    format!("{}, {}", description.model_name, results::counted(description.variables.len(), "variable"))
 }
 
 #[cfg(test)]

@@ -75,7 +75,7 @@ impl UnitRun {
             print(tested);
         });
         tested.map_err(|error| Refusal::new(&error, exit_code::help(&error)))?;
-        let end = if failed == 0 { "no test failed".to_owned() } else { super::counted(failed, "test") + " failed" };
+        let end = if failed == 0 { "no test failed".to_owned() } else { results::counted(failed, "test") + " failed" };
         report::result(&format!("{name}: {end}\n"));
         Ok(failed == 0)
     }

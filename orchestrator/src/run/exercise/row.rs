@@ -2,7 +2,7 @@
 
 use crate::run::start_values::value_text;
 use crate::run::worker::scattered::get_slots;
-use flatten::values::{Slot, ValueType, Values};
+use flatten::values::{ValueType, Values};
 use flatten::wiring::VariableSlot;
 use fmi2::description::{Causality, ModelDescription, Variability, Variable};
 use unit::board::Now;
@@ -49,21 +49,8 @@ impl Ports {
 
     /// The first variable that differs, as text: `y is 1.2, was 1.3`.
     pub fn difference(&self, is: &Values, was: &Values) -> Option<String> {
-        let VariableSlot { slot, variable } = *self.slots.iter().find(|port| !is_same(is, was, port.slot))?;
+        let VariableSlot { slot, variable } = *self.slots.iter().find(|port| !is.is_same(was, port.slot))?;
         Some(format!("{} is {}, was {}", self.names[variable], value_text(is, slot), value_text(was, slot)))
-    }
-}
-
-/// Reals are compared bit by bit, but any two NaN are equal.
-fn is_same(is: &Values, was: &Values, Slot { base, index }: Slot) -> bool {
-    match base {
-        ValueType::Real => {
-            let (is, was) = (is.reals[index], was.reals[index]);
-            is.to_bits() == was.to_bits() || is.is_nan() && was.is_nan()
-        }
-        ValueType::Integer => is.integers[index] == was.integers[index],
-        ValueType::Boolean => is.booleans[index] == was.booleans[index],
-        ValueType::Text => is.texts[index] == was.texts[index],
     }
 }
 

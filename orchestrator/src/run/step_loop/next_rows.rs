@@ -1,16 +1,18 @@
 //! The rows behind a checkpoint: kept with it, and compared when a run continues, since a unit whose saved state is
-//! incomplete would otherwise go on with other values without a word.
+//! incomplete would otherwise go on with other values, unnoticed.
 
 use super::{Checkpoint, Observer, State, StepLoop};
-use flatten::values::Values;
+use crate::run::start_values::value_text;
+use flatten::values::{Slot, ValueType, Values};
 use flatten::wiring::{Names, Plan};
-use results::shortest_decimal;
 use std::collections::VecDeque;
 use unit::failure::Failure;
 
 /// How many rows are kept at least, and how many at most.
 const LEAST_ROWS: u64 = 10;
 const MOST_ROWS: u64 = 1000;
+
+const TYPES: [ValueType; 4] = [ValueType::Real, ValueType::Integer, ValueType::Boolean, ValueType::Text];
 
 /// The outputs of all instances at one tick, in the script's order.
 pub(super) type Row = Vec<Values>;
@@ -63,9 +65,9 @@ impl<W: Observer> StepLoop<'_, W> {
         {
             return Err(Failure::not_restored(plan.names[instance].instance.clone(), plan.seconds(tick), change));
         }
-        let (rows, last_tick) = (rows_of(plan), plan.stop_tick);
+        let rows = rows_of(plan);
         next_rows.open.iter_mut().for_each(|checkpoint| checkpoint.next.push(row.clone()));
-        self.store_next_rows(|checkpoint| checkpoint.next.len() >= rows || tick >= last_tick)
+        self.store_next_rows(|checkpoint| checkpoint.next.len() >= rows)
     }
 
     /// Stores the checkpoints that are complete by this judgement once more, with their rows.
@@ -81,7 +83,7 @@ impl<W: Observer> StepLoop<'_, W> {
 }
 
 /// The first instance whose outputs are others than expected, with the output and both values. Instances that step in an
-/// earlier wave come first, as later ones may differ for their sake.
+/// earlier wave come first, as those may be why later ones differ.
 fn first_change(plan: &Plan, expected: &[Values], row: &[Values]) -> Option<(usize, String)> {
     let mut by_wave = plan.groups.iter().flat_map(|group| &group.instances);
     by_wave.find_map(|&instance| Some((instance, change(plan, instance, &expected[instance], &row[instance])?)))
@@ -90,21 +92,9 @@ fn first_change(plan: &Plan, expected: &[Values], row: &[Values]) -> Option<(usi
 /// `y is 1.2, was 1.3`, of the first output that differs.
 fn change(plan: &Plan, instance: usize, was: &Values, is: &Values) -> Option<String> {
     let Names { reals, others: [integers, booleans, texts], .. } = &plan.names[instance];
-    let real = |value: &f64| shortest_decimal(*value);
-    first(reals, &was.reals, &is.reals, |was, is| was.to_bits() == is.to_bits(), real)
-        .or_else(|| first(integers, &was.integers, &is.integers, i32::eq, i32::to_string))
-        .or_else(|| first(booleans, &was.booleans, &is.booleans, i32::eq, |value| (*value != 0).to_string()))
-        .or_else(|| first(texts, &was.texts, &is.texts, String::eq, |text| format!("{text:?}")))
-}
-
-fn first<T>(
-    names: &[String],
-    was: &[T],
-    is: &[T],
-    equal: impl Fn(&T, &T) -> bool,
-    text: impl Fn(&T) -> String,
-) -> Option<String> {
-    let mut values = names.iter().zip(was).zip(is);
-    let ((name, was), is) = values.find(|((_, was), is)| !equal(was, is))?;
-    Some(format!("{name} is {}, was {}", text(is), text(was)))
+    let names = [reals, integers, booleans, texts];
+    let by_type = TYPES.into_iter().zip(names);
+    let mut outputs = by_type.flat_map(|(base, names)| (0..).map(move |index| Slot { base, index }).zip(names));
+    let (slot, name) = outputs.find(|(slot, _)| !is.is_same(was, *slot))?;
+    Some(format!("{name} is {}, was {}", value_text(is, slot), value_text(was, slot)))
 }

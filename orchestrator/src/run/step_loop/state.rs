@@ -85,6 +85,6 @@ impl CarriedState {
             && plan.conditions.fit(&self.conditions, samples)
             && plan.events.fit(&self.events, samples)
             && plan.claims.fits(&self.claims, samples)
-            && self.running.len() == plan.running.memories().len()
+            && plan.running.fit(&self.running)
     }
 }

@@ -46,17 +46,7 @@ fn claims() -> Vec<Claim> {
         Formula::Always(window(None), Box::new(until(None))),
         until(None),
     ];
-    let claim = |formula| Claim {
-        name: String::new(),
-        text: String::new(),
-        line: 1,
-        formula,
-        unit: None,
-        limit: None,
-        parts: Vec::new(),
-        gates: Vec::new(),
-    };
-    formulas.map(claim).to_vec()
+    formulas.map(Claim::of).to_vec()
 }
 
 /// Both arrows, a computed value, a window that opens and closes, faults, claims and columns.

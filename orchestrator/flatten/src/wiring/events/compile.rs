@@ -69,7 +69,8 @@ impl<'a> Compiler<'a> {
         let Self { events, table, scenario, .. } = self;
         let to = table.input_slot(set.target).slot;
         let target = *self.overridden.entry(set.target).or_insert_with(|| {
-            let returns = scenario.connections.iter().all(|connection| connection.target != set.target);
+            let returns =
+                scenario.connections.binary_search_by_key(&set.target, |connection| connection.target).is_err();
             events.of_group[table.group_of(set.target.instance)][0].push(events.overrides.len());
             events.overrides.push(Override { to, returns, sets: Vec::new() });
             events.overrides.len() - 1

@@ -217,8 +217,8 @@ fn every_fault_of_a_worker_is_reported_with_instance_and_time() {
         ),
         (
             Kind::Welcome,
-            |bytes| Some(String::from_utf8_lossy(&bytes).replace("\"protocol\":1", "\"protocol\":9").into_bytes()),
-            "`a`: its worker has protocol 9, this program 1, at 0 s",
+            |bytes| Some(String::from_utf8_lossy(&bytes).replace("\"protocol\":2", "\"protocol\":9").into_bytes()),
+            "`a`: its worker has protocol 9, this program 2, at 0 s",
         ),
         (Kind::Stepped, report_foreign_instance, "`a`: its worker spoke for others, at 0.007 s"),
         (Kind::Finished, |_| Some(Vec::new()), "`a`: its worker answered with a message that is cut short, at 0.008 s"),
