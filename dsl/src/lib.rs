@@ -12,6 +12,7 @@
 pub mod groups;
 pub mod loader;
 pub mod parts;
+pub mod random;
 pub mod resolve;
 pub mod scenario;
 pub mod skeleton;

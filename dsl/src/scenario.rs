@@ -13,7 +13,7 @@ mod running;
 
 use crate::source::FileRef;
 pub use claim::{Claim, ClaimPart, Formula, Gated, Limit, MarginUnit, TickWindow, Until};
-pub use curve::Curve;
+pub use curve::{Curve, Near};
 pub use duration::duration;
 pub use event::{Action, Condition, Event, Fault, FaultKind, Set, Stage, StopWhen, Trigger};
 pub use reads::Slots;
@@ -34,6 +34,8 @@ pub struct Scenario {
     pub stop_tick: u64,
     /// The parameters with the values of this run, in order of declaration, `seed` last unless declared.
     pub parameters: Vec<Parameter>,
+    /// The `sweep` of the script.
+    pub sweep: Option<Sweep>,
     /// The units, each once, in order of first use.
     pub units: Vec<Unit>,
     /// The units under their names, in order of declaration.
@@ -67,6 +69,24 @@ pub struct Parameter {
     pub value: String,
     /// Whether the command line set it.
     pub set: bool,
+}
+
+/// The cases of a script, and the one that this is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Sweep {
+    /// How many cases there are.
+    pub cases: u64,
+    /// The case that gave the swept parameters their values; `None` if they have their own.
+    pub case: Option<Case>,
+}
+
+/// A case of a sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Case {
+    /// Its number, from 0.
+    pub number: u64,
+    /// The seed of the draws that the command line set for a sweep of `seed`.
+    pub draw_seed: Option<i64>,
 }
 
 /// A unit as messages call it.
@@ -214,6 +234,8 @@ pub enum RealExpression {
     Shared(usize),
     /// A value over time.
     Curve(Arc<Curve>),
+    /// The least distance of a value from a curve within a time.
+    Near(Near),
     /// A summary of the samples so far; in a finished scenario it stands in [`Scenario::shared`] only.
     Running(Running),
     /// 1 where a condition holds, else 0.

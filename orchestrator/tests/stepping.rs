@@ -51,6 +51,7 @@ fn scenario() -> Scenario {
         start_tick: 0,
         stop_tick: 10,
         parameters: Vec::new(),
+        sweep: None,
         units: vec![Unit { name: "foreign.fmu".to_owned() }],
         instances: vec![instance("a", 2.0), instance("b", 1.0)],
         initialization: Vec::new(),

@@ -57,6 +57,7 @@ fn scenario() -> Scenario {
         start_tick: 0,
         stop_tick: STOP_TICK,
         parameters: Vec::new(),
+        sweep: None,
         units: ["foreign.fmu", "other.fmu"].map(|name| Unit { name: name.to_owned() }).to_vec(),
         instances: [("a", 0, 1, 0, 0.5), ("b", 0, 1, 0, 0.25), ("c", 1, 6, 1, 0.125), ("d", 0, 19, 0, 0.75)]
             .map(instance)

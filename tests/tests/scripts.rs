@@ -29,15 +29,6 @@ at 5.0123 s { set air.turbulence = 2 m/s }
 assert calm: always air.speed < 3 m
 ";
 
-const LATER: &str = "scenario \"What a later version brings\"
-step 100 ms
-stop 1 s
-fmu probe = \"foreign.fmu\"
-assert a: always probe.y == time / 1 s ± 1 within 200 ms
-sweep { seed in 1..25 }
-record probe.y every 200 ms
-";
-
 /// A folder with `foreign.fmu` and a script.
 fn with_script(text: &str) -> TempDir {
     let (folder, _) = Foreign::default().build();
@@ -75,14 +66,6 @@ fn five_semantic_errors_are_reported_at_once_by_check_and_by_run() {
     let findings = checked.out.trim_end().rsplit_once("\n\n").map(|(findings, _)| findings);
     assert!(ran.code == Some(2) && ran.out.is_empty());
     assert!(findings.is_some_and(|findings| ran.err.contains(findings)), "{}", ran.err);
-}
-
-#[test]
-fn features_of_a_later_version_are_refused_by_name() {
-    let folder = with_script(LATER);
-    let messages = refused(folder.path(), &["run", "a.scn"]);
-    assert_eq!(messages.matches("is not known to this version of lockstep yet").count(), 2);
-    insta::assert_snapshot!(messages);
 }
 
 #[test]

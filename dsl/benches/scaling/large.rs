@@ -165,6 +165,7 @@ pub fn understand(script: &str, units: &Units) -> (bool, String) {
         parts: &Parts::default(),
         loader: units,
         settings: &[],
+        case: None,
         isolated: false,
     });
     (resolved.scenario.is_some(), render(&sources, &resolved.diagnostics, false))

@@ -327,8 +327,8 @@ pub struct ComparisonLink {
     pub operand: Expression,
     /// `± d`
     pub tolerance: Option<Expression>,
-    /// The place of `within w`.
-    pub tolerance_time: Option<Span>,
+    /// `within w` behind `± d`
+    pub tolerance_time: Option<Expression>,
 }
 
 /// The arithmetic operators.

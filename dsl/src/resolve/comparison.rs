@@ -1,6 +1,7 @@
 //! Comparisons and chains of them.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use super::arithmetic::{Pair, is_vector};
 use super::condition::{Bound, Condition, opposite as not};
@@ -9,9 +10,10 @@ use super::measure::si_name;
 use super::real;
 use super::running::{count_equals, is_count};
 use super::scope::Scope;
-use super::script::not_yet;
 use crate::diagnostic::Diagnostic;
-use crate::scenario::{BooleanExpression, Function, Limit, Margin, MarginUnit, Operand, Port, RealExpression, Value};
+use crate::scenario::{
+    BooleanExpression, Curve, Function, Limit, Margin, MarginUnit, Near, Operand, Port, RealExpression, Value,
+};
 use crate::source::Span;
 use crate::syntax::{Comparator, ComparisonLink, Expression, ExpressionKind, Operator};
 
@@ -52,9 +54,6 @@ impl Scope<'_, '_> {
     }
 
     fn compared(&self, sides: &Sides<'_>, left: &Meaning, right: &Meaning) -> Option<Condition> {
-        if let Some(span) = sides.link.tolerance_time {
-            return self.refuse(not_yet(span, "`within` after `±`"));
-        }
         for (side, meaning) in [(sides.left, left), (sides.right, right)] {
             if is_vector(meaning) {
                 let message = format!("`{}` is a vector and has no order", self.text(side.span));
@@ -144,10 +143,30 @@ impl Scope<'_, '_> {
         let tolerance_value = self.operand(&meaning, tolerance.span)?;
         let beside = if left.port().is_some() { left } else { right };
         let tolerance_value = self.read_beside((&tolerance_value, tolerance.span), beside)?;
-        let distance = Real::computed(real::call(Function::Abs, vec![difference]), measure, right.unit.clone());
+        let distance = match &sides.link.tolerance_time {
+            Some(within) => self.distance_from_curve(within, (left, right))?,
+            None => real::call(Function::Abs, vec![difference]),
+        };
+        let distance = Real::computed(distance, measure, right.unit.clone());
         let pair = Pair { left: (&distance, sides.span()), right: (&tolerance_value, tolerance.span) };
         self.unified(pair, "E02", "compare")?;
         Some(real::combine(Operator::Subtract, tolerance_value.expression, distance.expression))
+    }
+
+    /// The least distance between a value and a curve within a time.
+    fn distance_from_curve(&self, within: &Expression, (left, right): (&Real, &Real)) -> Option<RealExpression> {
+        let within_s = self.seconds(within)?;
+        let (of, curve) = match (si_curve(&right.expression), si_curve(&left.expression)) {
+            (Some(curve), _) => (left, curve),
+            (None, Some(curve)) => (right, curve),
+            (None, None) => {
+                let message = "`within` after `±` is a tolerance of time beside a curve";
+                let error = Diagnostic::error("E29", within.span, message);
+                let help = "write a plain `curve(\"ref.csv\", \"x\")` on one side of `==`, or leave `within` away";
+                return self.refuse(error.help(help));
+            }
+        };
+        Some(RealExpression::Near(Near { of: Box::new(of.expression.clone()), curve, within_s }))
     }
 
     /// The comparison of plain numbers that E10 advises, `x / c < 1`, which reverses below zero and ends there.
@@ -231,6 +250,20 @@ impl Scope<'_, '_> {
         };
         items(left) == items(right)
     }
+}
+
+/// A curve with its values in SI.
+fn si_curve(value: &RealExpression) -> Option<Arc<Curve>> {
+    let (curve, factor, offset) = match value {
+        RealExpression::Curve(curve) => return Some(Arc::clone(curve)),
+        RealExpression::Affine { of, factor, offset } => match &**of {
+            RealExpression::Curve(curve) => (curve, factor, offset),
+            _ => return None,
+        },
+        _ => return None,
+    };
+    let rows = curve.rows.iter().map(|(time_s, value)| (*time_s, factor * value + offset)).collect();
+    Some(Arc::new(Curve { rows, held: curve.held }))
 }
 
 fn one_way(rest: &[ComparisonLink]) -> bool {

@@ -1,6 +1,7 @@
 //! Goes through the statements of a script in the order in which they act: loops yield their statements once for each
 //! round, in a frame of that round, and parts yield their own. Next: the passes of `resolve/mod.rs`.
 
+mod cases;
 mod part;
 mod round;
 
@@ -11,10 +12,12 @@ use super::Request;
 use super::findings::Findings;
 use super::frame::{FrameId, Placed};
 use super::scope::{Scope, Shared};
-use super::script::{ClaimLine, Declaration, Declared, Opens, RESERVED, Script, Wire, not_yet};
+use super::script::{ClaimLine, Declaration, Declared, Opens, RESERVED, Script, Wire};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::syntax::{self, Expression, Name, Statement, StatementKind, Word};
+
+pub(super) use cases::CaseValues;
 
 /// A script of which some statements have been taken.
 pub(super) struct Elaboration<'a> {
@@ -45,9 +48,19 @@ struct Declares<'a> {
 /// The statements of the script, sorted, and the places of the declared names that they have used so far; what is wrong with
 /// them goes to `findings`.
 pub(super) fn elaborate<'a>(request: &Request<'a>, findings: &mut Findings) -> (Script<'a>, BTreeSet<Span>) {
-    let (script, found, open_parts, used) = (Script::default(), Vec::new(), Vec::new(), BTreeSet::new());
-    let mut elaboration = Elaboration { request: *request, script, found, open_parts, blocks: 0, used };
-    elaboration.block(FrameId::SCRIPT, &request.file.statements);
+    let mut elaboration = Elaboration::of(request, CaseValues::new());
+    let shape_is_swept = elaboration.used_axis().is_some();
+    let case = elaboration.sweep();
+    match case {
+        // Loops have other rounds than with the parameters' own values.
+        Some(case) if shape_is_swept => {
+            let (cases, used) = (elaboration.script.cases, elaboration.used);
+            elaboration = Elaboration::of(request, case);
+            elaboration.script.cases = cases;
+            elaboration.used.extend(used);
+        }
+        case => elaboration.script.case = case.unwrap_or_default(),
+    }
     elaboration.found.drain(..).for_each(|finding| findings.add(finding, None));
     elaboration.require();
     elaboration.found.into_iter().for_each(|finding| findings.add_of_file(finding));
@@ -55,6 +68,15 @@ pub(super) fn elaborate<'a>(request: &Request<'a>, findings: &mut Findings) -> (
 }
 
 impl<'a> Elaboration<'a> {
+    /// All statements of the script, with these values of swept parameters.
+    fn of(request: &Request<'a>, case: CaseValues<'a>) -> Self {
+        let (mut script, found, open_parts, used) = (Script::default(), Vec::new(), Vec::new(), BTreeSet::new());
+        script.case = case;
+        let mut elaboration = Self { request: *request, script, found, open_parts, blocks: 0, used };
+        elaboration.block(FrameId::SCRIPT, &request.file.statements);
+        elaboration
+    }
+
     /// Takes the statements of a file or of a round.
     fn block(&mut self, frame: FrameId, statements: &'a [Statement]) {
         // Ranges and indices may use values that are declared after them.
@@ -107,7 +129,7 @@ impl<'a> Elaboration<'a> {
                 let part = Wire { source, arrow: *arrow, arrow_span: *arrow_span, targets };
                 script.wires.push(Placed { frame, part });
             }
-            StatementKind::Sweep(_) => found.push(not_yet(statement.span, "`sweep`")),
+            StatementKind::Sweep(_) => once(&mut script.sweep, statement, |statement| statement.span, "sweep", found),
         }
     }
 

@@ -161,6 +161,7 @@ impl Scope<'_, '_> {
             Root::Declared(found, tail) => (found, tail),
             Root::Reported => return None,
             Root::Unknown if path.root.text == "seed" => {
+                self.note_use_of_seed();
                 return self.narrowed_by(self.implicit_seed()?, &path.tail, path);
             }
             Root::Unknown => {

@@ -193,8 +193,13 @@ impl Scope<'_, '_> {
         if !events.iter().flat_map(|event| &event.actions).any(draws) {
             return Some(0);
         }
+        self.note_use_of_seed();
+        self.whole_seed("`noise` and `loss`")
+    }
+
+    /// The value of `seed`, from which something draws its random numbers.
+    pub fn whole_seed(&self, of: &str) -> Option<i64> {
         let declared = self.look_up("seed");
-        self.shared.used.borrow_mut().extend(declared.map(|found| found.part.span()));
         let seed = match declared.map(|found| (found.frame, found.part)) {
             Some((frame, Declaration::Parameter(binding))) => self.at(frame).binding(binding, self.assigned(binding)),
             _ => self.implicit_seed(),
@@ -207,9 +212,16 @@ impl Scope<'_, '_> {
             Some(number) => Some(number as i64),
             None => {
                 let span = declared.map_or(Span::default(), |found| found.part.span());
-                let error = Diagnostic::error("E38", span, "the seed of `noise` and `loss` is a whole number");
+                let error = Diagnostic::error("E38", span, format!("the seed of {of} is a whole number"));
                 self.refuse(error.help("write for example `param seed = 1`"))
             }
         }
+    }
+
+    /// Notes that something uses `seed`: a declared one at its place, else at that of its axis.
+    pub fn note_use_of_seed(&self) {
+        let swept = || self.script.axes().iter().find(|axis| axis.name.text == "seed").map(|axis| axis.name.span);
+        let place = self.look_up("seed").map(|found| found.part.span()).or_else(swept);
+        self.shared.used.borrow_mut().extend(place);
     }
 }

@@ -12,7 +12,7 @@ use super::real;
 use super::running::RUNNING;
 use super::scale::Scale;
 use super::scope::Scope;
-use super::script::not_yet;
+use super::sweep::DISTRIBUTIONS;
 use crate::diagnostic::{Diagnostic, Edit};
 use crate::nearest::nearest;
 use crate::scenario::{self, BooleanExpression, Function};
@@ -41,8 +41,8 @@ impl Scope<'_, '_> {
         if name == "curve" {
             return self.curve(arguments, span);
         }
-        if matches!(name, "normal" | "uniform" | "choice") {
-            return self.refuse(not_yet(span, &format!("`{name}`")));
+        if DISTRIBUTIONS.contains(&name) {
+            return self.refuse(self.draw_outside_of_sweep(function, span));
         }
         if RUNNING.contains(&name) {
             return self.running(function, arguments, span);

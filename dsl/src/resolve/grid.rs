@@ -117,6 +117,12 @@ impl Scope<'_, '_> {
         })
     }
 
+    /// A span of time in seconds, which need not be on the grid.
+    pub fn seconds(&self, time: &Expression) -> Option<f64> {
+        let written = self.nanoseconds(time, Least::Zero)?;
+        Some(written.ns as f64 / 1e9)
+    }
+
     fn nanoseconds(&self, time: &Expression, least: Least) -> Option<Written> {
         let meaning = self.evaluate(time)?;
         let real = self.real(&meaning, time.span)?;

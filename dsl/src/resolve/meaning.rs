@@ -6,7 +6,7 @@ use fmi2::units::{BaseUnit, Dimension};
 
 use super::condition::{Condition, boolean_size};
 use super::scale::Scale;
-use crate::scenario::{BooleanExpression, MarginUnit, Port, RealExpression};
+use crate::scenario::{BooleanExpression, MarginUnit, Near, Port, RealExpression};
 use crate::source::FileRef;
 
 /// The meaning of an expression. A part without meaning was reported and is `None`.
@@ -169,7 +169,7 @@ pub(super) fn real_size(value: &RealExpression) -> usize {
     use RealExpression as E;
     1 + match value {
         E::Constant(_) | E::Signal(_) | E::Time | E::Shared(_) | E::Curve(_) => 0,
-        E::Affine { of, .. } | E::InverseAffine { of, .. } | E::Negate(of) => real_size(of),
+        E::Affine { of, .. } | E::InverseAffine { of, .. } | E::Negate(of) | E::Near(Near { of, .. }) => real_size(of),
         E::Add(left, right) | E::Subtract(left, right) | E::Multiply(left, right) | E::Divide(left, right) => {
             real_size(left) + real_size(right)
         }

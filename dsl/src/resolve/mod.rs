@@ -14,13 +14,12 @@
 //! | E04 | an output as a target, an input as a source |
 //! | E05 | a variable that cannot be set there: its causality or variability forbids it |
 //! | E06 | `=>` in a circle |
-//! | E07 | `=>` between periods of which neither divides the other; `=>` without a unit on its left |
+//! | E07 | `=>` between periods of which neither divides the other; `=>` without a unit or with `rises` on its left |
 //! | E08 | a time off the grid of `step` |
 //! | E09 | a claim that looks past the end of the run, or asks for a running value before its first time |
 //! | E10 | margins of different dimensions in one claim |
 //! | E11 | not a unit of measure, or a name of the script too |
 //! | E12 | a temporal word over `and`, `or`, `implies` or `until` without parentheses |
-//! | E20 | a part of the language that this version does not know yet |
 //! | E21 | types do not agree |
 //! | E22 | shapes do not agree: members, counts, indices |
 //! | E23 | a group of several units of measure in a computation |
@@ -56,7 +55,7 @@ use crate::loader::Loader;
 use crate::parse::with_stack;
 use crate::parts::Parts;
 use crate::scenario::{Instance, Scenario};
-use crate::source::Sources;
+use crate::source::{Sources, Span};
 use crate::syntax::{Binding, File};
 
 mod arithmetic;
@@ -97,6 +96,7 @@ mod script;
 mod share;
 mod signal;
 mod stars;
+mod sweep;
 mod temporal;
 mod undeclared;
 mod undriven;
@@ -124,8 +124,19 @@ pub struct Request<'a> {
     pub loader: &'a dyn Loader,
     /// Assignments of the command line, in order; a later one counts.
     pub settings: &'a [Binding],
+    /// The case of the sweep that gives parameters their values; `None` for their own values.
+    pub case: Option<Case>,
     /// Whether each instance will have a process of its own.
     pub isolated: bool,
+}
+
+/// A case that the command line asks for.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    /// Its number, from 0.
+    pub number: u64,
+    /// Where the number is written.
+    pub place: Span,
 }
 
 /// The result.
@@ -195,6 +206,7 @@ fn scenario(scope: Scope<'_, '_>) -> Option<Scenario> {
         start_tick: 0,
         stop_tick: stop_tick?,
         parameters,
+        sweep: scope.script.cases,
         units,
         instances: instances.collect(),
         initialization,

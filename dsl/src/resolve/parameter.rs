@@ -15,7 +15,6 @@ use crate::syntax::{Binding, Expression};
 
 use super::condition::Condition;
 use super::meaning::Measure;
-use crate::nearest::nearest;
 
 impl<'a> Scope<'_, 'a> {
     /// The value of a parameter of this frame as written: that of the command line, of a part that of the braces of `use`,
@@ -35,6 +34,9 @@ impl<'a> Scope<'_, 'a> {
 
     /// The value of `seed` in a script that does not declare it.
     pub fn implicit_seed(&self) -> Option<Rc<Meaning>> {
+        if let Some(value) = self.script.case.get("seed") {
+            return Some(Rc::clone(value));
+        }
         match self.setting("seed") {
             Some(setting) => self.evaluate(&setting.value),
             None => Some(Rc::new(Meaning::Real(Real::plain(1.0)))),
@@ -57,9 +59,11 @@ impl<'a> Scope<'_, 'a> {
                     self.check_kind((&setting.name.text, setting.value.span), &value, &plain);
                     typed_again(&value)
                 }
-                _ => Some("1".to_owned()),
+                (None, Some(value)) => typed_again(&value),
+                (_, None) => None,
             };
-            parameters.extend(value.map(|value| Parameter { name: "seed".to_owned(), value, set: set.is_some() }));
+            let set = set.is_some() && !self.script.case.contains_key("seed");
+            parameters.extend(value.map(|value| Parameter { name: "seed".to_owned(), value, set }));
         }
         parameters
     }
@@ -75,7 +79,11 @@ impl<'a> Scope<'_, 'a> {
         }
         let (value, place) = (value?, self.assigned(parameter).part.span);
         match typed_again(&value) {
-            Some(text) => Some(Parameter { name: parameter.name.text.clone(), value: text, set: setting.is_some() }),
+            Some(value) => {
+                let name = parameter.name.text.clone();
+                let set = setting.is_some() && !self.script.case.contains_key(name.as_str());
+                Some(Parameter { name, value, set })
+            }
             None => self.refuse(self.must_be_known(place)),
         }
     }
@@ -87,15 +95,7 @@ impl<'a> Scope<'_, 'a> {
             if name == "seed" || matches!(declared, Some(Declaration::Parameter(_))) {
                 continue;
             }
-            let error = Diagnostic::error("E01", setting.name.span, format!("the script has no parameter `{name}`"));
-            let own = || self.script.parameters.iter().filter(|parameter| parameter.frame == FrameId::SCRIPT);
-            let parameters = || own().map(|parameter| parameter.part.name.text.as_str());
-            let names = || parameters().chain(["seed"]);
-            let help = match nearest(name, names()) {
-                Some(near) => format!("did you mean `{near}`?"),
-                None => format!("its parameters are {}", names().collect::<Vec<_>>().join(", ")),
-            };
-            self.report(error.help(help));
+            self.report(self.no_parameter(&setting.name));
         }
     }
 
@@ -117,7 +117,7 @@ impl<'a> Scope<'_, 'a> {
     }
 
     /// Whether a value may replace a parameter's own; if not, this is reported.
-    fn check_kind(&self, (name, place): (&str, Span), value: &Meaning, declared: &Meaning) -> bool {
+    pub fn check_kind(&self, (name, place): (&str, Span), value: &Meaning, declared: &Meaning) -> bool {
         if alike(value, declared) {
             return true;
         }

@@ -8,7 +8,9 @@ use super::meaning::{Meaning, Measure, Real};
 use super::scale::Scale;
 use super::scope::Scope;
 use crate::diagnostic::Diagnostic;
-use crate::scenario::{BooleanExpression as B, Drive, Function, Margin, RealExpression as E, Running, RunningKind};
+use crate::scenario::{
+    BooleanExpression as B, Drive, Function, Margin, Near, RealExpression as E, Running, RunningKind,
+};
 use crate::source::Span;
 use crate::syntax::{Expression, Word};
 
@@ -136,7 +138,9 @@ fn has_rises(condition: &B) -> bool {
 pub(super) fn latest_start(value: &E) -> Option<(u64, f64)> {
     match value {
         E::Constant(_) | E::Signal(_) | E::Time | E::Shared(_) | E::Curve(_) => None,
-        E::Affine { of, .. } | E::InverseAffine { of, .. } | E::Negate(of) => latest_start(of),
+        E::Affine { of, .. } | E::InverseAffine { of, .. } | E::Negate(of) | E::Near(Near { of, .. }) => {
+            latest_start(of)
+        }
         E::Add(left, right) | E::Subtract(left, right) | E::Multiply(left, right) | E::Divide(left, right) => {
             later(latest_start(left), latest_start(right))
         }

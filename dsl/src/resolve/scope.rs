@@ -190,6 +190,9 @@ impl<'s, 'a> Scope<'s, 'a> {
         if let Some(known) = self.bindings.borrow().get(&(self.frame, name)) {
             return known.clone();
         }
+        if let (FrameId::SCRIPT, Some(value)) = (self.frame, self.script.case.get(name)) {
+            return Some(Rc::clone(value));
+        }
         let is_open = |(frame, word): &(FrameId, &Word)| *frame == self.frame && word.text == name;
         let circle = self.open.borrow().iter().position(is_open);
         if let Some(start) = circle {

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::Request;
+use super::elaborate::CaseValues;
 use super::frame::{FrameId, Frames, Placed};
 use super::meaning::Meaning;
 use super::unit::Unit;
-use crate::diagnostic::Diagnostic;
 use crate::loader::Problem;
-use crate::scenario;
+use crate::scenario::{self, Sweep};
 use crate::source::Span;
-use crate::syntax::{self, Arrow, Binding, Expression, Path, Statement, Window, Word};
+use crate::syntax::{self, Arrow, Axis, Binding, Expression, Path, Statement, StatementKind, Window, Word};
 
 /// The statements of a script by kind, each in the file's order.
 #[derive(Debug, Default)]
@@ -40,6 +40,12 @@ pub(super) struct Script<'a> {
     pub records: Vec<Placed<(&'a Path, Option<&'a Expression>)>>,
     /// Whether there is a `record` line.
     pub has_record: bool,
+    /// `sweep`
+    pub sweep: Option<&'a Statement>,
+    /// How many cases the sweep has, and which of them this is.
+    pub cases: Option<Sweep>,
+    /// The values of the swept parameters in that case.
+    pub case: CaseValues<'a>,
     /// The declarations of names.
     pub frames: Frames<'a>,
     /// The values of the counters of loops, one for each round.
@@ -146,12 +152,6 @@ impl<'a> Declaration<'a> {
 /// Names that mean something already.
 pub(super) const RESERVED: [&str; 3] = ["time", "pi", "seed"];
 
-/// That this version does not know something; `what` reads as the subject of the sentence.
-pub(super) fn not_yet(span: Span, what: &str) -> Diagnostic {
-    Diagnostic::error("E20", span, format!("{what} is not known to this version of lockstep yet"))
-        .help("leave it out for now")
-}
-
 impl<'a> Script<'a> {
     /// The units of the instances, each once, in order of first use.
     pub fn units_by_index(&self) -> Vec<scenario::Unit> {
@@ -162,6 +162,14 @@ impl<'a> Script<'a> {
             }
         }
         units
+    }
+
+    /// The axes of the sweep.
+    pub fn axes(&self) -> &'a [Axis] {
+        match self.sweep.map(|statement| &statement.kind) {
+            Some(StatementKind::Sweep(axes)) => axes,
+            _ => &[],
+        }
     }
 
     /// The units that were found, each once.

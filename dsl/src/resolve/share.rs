@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::meaning::Meaning;
 use crate::scenario::{
-    Action, BooleanExpression, ColumnSource, Drive, Formula, Gated, RealExpression as E, Running, Scenario, Until,
+    Action, BooleanExpression, ColumnSource, Drive, Formula, Gated, Near, RealExpression as E, Running, Scenario, Until,
 };
 
 /// An expression apart from its parts: its kind and what else distinguishes it from others.
@@ -104,6 +104,7 @@ impl Numbers {
             }
             // The resolver makes one for each column.
             E::Curve(ref curve) => (13, Arc::as_ptr(curve) as usize as u64, 0),
+            E::Near(Near { ref curve, within_s, .. }) => (14, Arc::as_ptr(curve) as usize as u64, within_s.to_bits()),
             E::Shared(_) => unreachable!("each expression is visited once"),
         }
     }
@@ -133,7 +134,7 @@ fn is_computed(expression: &E) -> bool {
 fn for_parts(expression: &mut E, visit: &mut dyn FnMut(&mut E)) {
     match expression {
         E::Constant(_) | E::Signal(_) | E::Time | E::Curve(_) | E::Shared(_) => {}
-        E::Affine { of, .. } | E::InverseAffine { of, .. } | E::Negate(of) => visit(of),
+        E::Affine { of, .. } | E::InverseAffine { of, .. } | E::Negate(of) | E::Near(Near { of, .. }) => visit(of),
         E::Add(left, right) | E::Subtract(left, right) | E::Multiply(left, right) | E::Divide(left, right) => {
             visit(left);
             visit(right);

@@ -26,6 +26,11 @@ impl Scope<'_, '_> {
             let help = "write it where its value is meant to act, or drop the line";
             self.warn_of_unused(&parameter.part.name.text, &parameter.part.name, help);
         }
+        let is_declared = |name: &str| self.look_up(name).is_some();
+        for axis in script.axes().iter().filter(|axis| !is_declared(&axis.name.text)) {
+            let help = "give it to a unit that draws random numbers, `{ seed = seed }`, or drop the axis";
+            self.warn_of_unused(&axis.name.text, &axis.name, help);
+        }
         for binding in &script.lets {
             self.warn_of_unused(&binding.part.name.text, &binding.part.name, "use it or drop the line");
         }

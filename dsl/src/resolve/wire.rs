@@ -11,7 +11,7 @@ use super::frame::Placed;
 use super::meaning::Meaning;
 use super::path::Root;
 use super::scope::Scope;
-use super::script::{Declaration, Wire, not_yet};
+use super::script::{Declaration, Wire};
 use super::signal::Signal;
 use crate::diagnostic::{Diagnostic, Edit};
 use crate::scenario::{Connection, Port, duration};
@@ -191,5 +191,6 @@ fn held(error: Diagnostic, wire: &Wire<'_>, written: &str) -> Diagnostic {
 
 /// `rises` compares two samples, and `=>` passes a value that is in no sample yet.
 fn rises_within_a_step(source: Span) -> Diagnostic {
-    not_yet(source, "`rises` before `=>`").help("write `->`: what rises is seen at the next sample")
+    Diagnostic::error("E07", source, "`rises` compares two samples, and `=>` brings what is in no sample yet")
+        .help("write `->`: what rises is seen at the next sample")
 }

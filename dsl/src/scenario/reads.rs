@@ -1,6 +1,8 @@
 //! Which ports a value is computed from.
 
-use super::{BooleanExpression, Condition, Drive, Formula, Gated, Operand, Port, RealExpression, Scenario, Until};
+use super::{
+    BooleanExpression, Condition, Drive, Formula, Gated, Near, Operand, Port, RealExpression, Scenario, Until,
+};
 
 /// What expressions name by slot.
 #[derive(Clone, Copy, Debug)]
@@ -89,7 +91,10 @@ impl RealExpression {
         match self {
             Self::Constant(_) | Self::Time | Self::Curve(_) => {}
             Self::Signal(port) => visit(*port),
-            Self::Affine { of, .. } | Self::InverseAffine { of, .. } | Self::Negate(of) => of.reads(slots, visit),
+            Self::Affine { of, .. }
+            | Self::InverseAffine { of, .. }
+            | Self::Negate(of)
+            | Self::Near(Near { of, .. }) => of.reads(slots, visit),
             Self::Add(left, right)
             | Self::Subtract(left, right)
             | Self::Multiply(left, right)

@@ -101,6 +101,7 @@ impl Unit {
             start_tick: 0,
             stop_tick: ticks,
             parameters: Vec::new(),
+            sweep: None,
             units: vec![dsl::scenario::Unit { name: UNIT.to_owned() }],
             instances: (0..count).map(instance).collect(),
             initialization: Vec::new(),

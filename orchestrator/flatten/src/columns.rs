@@ -109,6 +109,7 @@ mod tests {
             start_tick: 0,
             stop_tick: 9000,
             parameters: vec![],
+            sweep: None,
             units: vec![Unit { name: "quadcopter".to_owned() }],
             instances: vec![Instance { name: "quad".to_owned(), unit: 0, every: 1, wave: 0, presets: vec![] }],
             initialization: vec![],

@@ -79,6 +79,8 @@ enum Operation {
     Binary(Binary),
     SameText(Box<(Text, Text)>),
     Curve(Arc<Curve>),
+    /// The distance from a curve within so many seconds.
+    Near(Arc<Curve>, f64),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,6 +137,11 @@ impl Program {
                 Operation::Affine { factor, offset } => {
                     depth -= 1;
                     factor * stack[depth] + offset
+                }
+                Operation::Near(ref curve, within_s) => {
+                    depth -= 1;
+                    let [from_s, to_s] = [moment.time_s - within_s, moment.time_s + within_s];
+                    curve.least_distance(stack[depth], [from_s, to_s])
                 }
                 Operation::InverseAffine { factor, offset } => {
                     depth -= 1;

@@ -11,7 +11,6 @@ mod feed;
 mod groups;
 mod initial;
 mod limits;
-mod random;
 mod row_layout;
 mod slot_table;
 

@@ -24,6 +24,9 @@ pub struct RunRecord {
     pub from: Option<Continued>,
     /// The parameters of the script with their values.
     pub parameters: Vec<Parameter>,
+    /// The case of the script's sweep, if one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub case: Option<Case>,
     /// The computer.
     pub host: Host,
     /// The time at which it began, UTC.
@@ -45,6 +48,16 @@ pub struct Parameter {
     pub value: String,
     /// Whether the command line set it.
     pub set: bool,
+}
+
+/// A case of a sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Case {
+    /// Its number, from 0.
+    pub number: u64,
+    /// The seed of the draws that the command line set for a sweep of `seed`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub draw_seed: Option<i64>,
 }
 
 /// The state of a run.
@@ -178,6 +191,7 @@ pub(crate) mod tests {
             files: vec![],
             from: None,
             parameters: vec![Parameter { name: "seed".to_owned(), value: "1".to_owned(), set: false }],
+            case: None,
             host: Host { name: "here".to_owned(), system: "linux", processor: "x86_64" },
             started: "2030-01-02T03:04:05Z".to_owned(),
             wall_s: 0.0,

@@ -1,7 +1,7 @@
 //! `verdict.json`: the verdicts on the claims, each with the margin by which the claim held or failed.
 
 use crate::events::WindowChange;
-use crate::run_record::Parameter;
+use crate::run_record::{Case, Parameter};
 use serde::Serialize;
 use unit::time::seconds;
 
@@ -129,6 +129,9 @@ pub struct VerdictFile {
     pub script: String,
     /// The parameters with their values in this run.
     pub parameters: Vec<Parameter>,
+    /// The case of the script's sweep, if one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub case: Option<Case>,
     /// Simulated seconds reached.
     pub time_s: f64,
     /// Why the run ended.
@@ -315,6 +318,7 @@ pub(crate) mod tests {
             scenario: "Quadcopter flies".to_owned(),
             script: "quad.scn".to_owned(),
             parameters: parameters(),
+            case: None,
             time_s: 4.2,
             end: "`quad` terminated".to_owned(),
             claims: claims.iter().map(|(claim, standing)| JudgedClaim::new(claim, standing, 10_000_000)).collect(),

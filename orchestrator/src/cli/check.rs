@@ -6,7 +6,7 @@ mod unit_run;
 use super::exit_code;
 use crate::find::catalogue::{Catalogue, is_archive};
 use crate::find::preparation::{self, Refusal};
-use crate::find::script::Script;
+use crate::find::script::{Script, ScriptOptions};
 use dsl::diagnostic::Severity;
 use dsl::scenario::Scenario;
 use flatten::listing;
@@ -31,6 +31,9 @@ pub struct Check {
     /// Sets a parameter of the scripts, for example 'gust = 6 m/s'
     #[arg(long, value_name = "NAME = VALUE")]
     set: Vec<String>,
+    /// Check the scripts with the parameters of this case of their `sweep`, from 0
+    #[arg(long, value_name = "K")]
+    case: Option<u64>,
     /// Where units are looked for before the workspace
     #[arg(long, value_name = "DIR")]
     units: Vec<PathBuf>,
@@ -112,7 +115,8 @@ impl Check {
         if is_archive(file) {
             return unit_file::check(file).map_err(|error| Refusal::new(&error, None));
         }
-        let script = Script::read(file, &self.set, self.catalogue(catalogue)?, self.isolate)
+        let options = ScriptOptions { settings: &self.set, case: self.case, isolated: self.isolate };
+        let script = Script::read(file, options, self.catalogue(catalogue)?)
             .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", printable::path(file)), None))?;
         if let (Some(out), Some(scenario)) = (&self.graph, &script.scenario) {
             let picture = flatten::graph::of(scenario, &descriptions(&script, scenario)).draw();
@@ -178,12 +182,14 @@ fn of_script(script: &Script, colour: bool) -> Checked {
 }
 
 fn facts(scenario: &Scenario) -> String {
+    let cases = scenario.sweep.map_or(0, |sweep| usize::try_from(sweep.cases).unwrap_or(usize::MAX));
     let counts = [
         counted(scenario.instances.len(), "unit"),
         counted(scenario.connections.len(), "connection"),
         counted(scenario.claims.len(), "claim"),
+        counted(cases, "case"),
     ];
-    counts.join(", ")
+    counts[..if cases == 0 { 3 } else { 4 }].join(", ")
 }
 
 /// For each instance what its unit says of itself.

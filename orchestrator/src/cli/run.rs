@@ -5,7 +5,7 @@ mod live;
 
 use super::exit_code;
 use crate::find::preparation::{self, Refusal, default_folder};
-use crate::find::script::Script;
+use crate::find::script::{Script, ScriptOptions};
 use crate::host::execution::{ReadyRun, RunOutcome};
 use crate::run::run_options::RunOptions;
 use fmi2::printable;
@@ -29,6 +29,9 @@ pub struct Run {
     /// Sets a parameter of the script, for example 'gust = 6 m/s'
     #[arg(long, value_name = "NAME = VALUE")]
     set: Vec<String>,
+    /// The case of the script's `sweep`, from 0, whose values the parameters get [default: their own values]
+    #[arg(long, value_name = "K")]
+    case: Option<u64>,
     /// Where the results go; a folder of an earlier run is replaced [default: runs/SCRIPT]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -107,7 +110,8 @@ impl Run {
 
     fn prepare(&self) -> Result<ReadyRun, Refusal> {
         let catalogue = preparation::catalogue(&self.units, !self.no_build)?;
-        let script = Script::read(&self.script, &self.set, &catalogue, self.is_isolated())
+        let options = ScriptOptions { settings: &self.set, case: self.case, isolated: self.is_isolated() };
+        let script = Script::read(&self.script, options, &catalogue)
             .map_err(|error| Refusal::new(&format!("cannot read {}: {error}", printable::path(&self.script)), None))?;
         if self.strict && !script.diagnostics.is_empty() {
             return Err(preparation::refused_warnings(&script));
@@ -169,7 +173,7 @@ impl Run {
             report::result(&verdict.json());
             return;
         }
-        let replay = replay_command(&self.script, &verdict.parameters, &self.units);
+        let replay = replay_command(&self.script, verdict.case, &verdict.parameters, &self.units);
         let text = report::table::report(&Heading { strict: self.strict, ..outcome.heading() }, verdict, &replay);
         report::result(&(text + &next_lines(outcome.folder.path(), self.record.is_none())));
     }

@@ -19,7 +19,7 @@ use results::checkpoint::Saving;
 use results::report::console::has_colour;
 use results::report::{diagnostics, error_text, status};
 use results::run_folder::RunFolder;
-use results::run_record::{HashedFile, Host, Parameter, RunRecord, RunState, now, sha256};
+use results::run_record::{Case, HashedFile, Host, Parameter, RunRecord, RunState, now, sha256};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -265,6 +265,10 @@ fn parameters(scenario: &Scenario) -> Vec<Parameter> {
     parameters.map(|dsl::scenario::Parameter { name, value, set }| Parameter { name, value, set }).collect()
 }
 
+fn case(dsl::scenario::Case { number, draw_seed }: dsl::scenario::Case) -> Case {
+    Case { number, draw_seed }
+}
+
 fn record(script: &Script, scenario: &Scenario, units: Vec<HashedFile>, files: Vec<HashedFile>) -> RunRecord {
     RunRecord {
         lockstep: env!("CARGO_PKG_VERSION"),
@@ -275,6 +279,7 @@ fn record(script: &Script, scenario: &Scenario, units: Vec<HashedFile>, files: V
         files,
         from: None,
         parameters: parameters(scenario),
+        case: scenario.sweep.and_then(|sweep| sweep.case).map(case),
         host: Host::this(),
         started: now(),
         wall_s: 0.0,

@@ -7,9 +7,9 @@ use dsl::diagnostic::{Diagnostic, Severity, render};
 use dsl::loader::{Loader, Problem, Table, TableColumn};
 use dsl::parse::{parse, parse_assignment};
 use dsl::parts::Parts;
-use dsl::resolve::{Request, resolve};
+use dsl::resolve::{Case, Request, resolve};
 use dsl::scenario::{Scenario, Value};
-use dsl::source::{FileRef, Source, Sources};
+use dsl::source::{FileRef, Source, Sources, Span};
 use dsl::syntax::{Binding, File};
 use fmi2::description::check::check;
 use fmi2::description::{Finding, ModelDescription};
@@ -58,13 +58,23 @@ pub struct ScriptUnit {
     pub findings: Vec<Finding>,
 }
 
+/// What the command line says about a script.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ScriptOptions<'a> {
+    /// Assignments to parameters, each as one text.
+    pub settings: &'a [String],
+    /// The case of the sweep that gives parameters their values.
+    pub case: Option<u64>,
+    /// Whether each instance will have a process of its own.
+    pub isolated: bool,
+}
+
 impl Script {
-    /// Reads and resolves a script with these assignments of the command line. `isolated`: each instance will have a process
-    /// of its own.
+    /// Reads and resolves a script.
     ///
     /// # Errors
     /// If the file cannot be read; errors in its content are among the diagnostics.
-    pub fn read(path: &Path, settings: &[String], catalogue: &Catalogue, isolated: bool) -> io::Result<Self> {
+    pub fn read(path: &Path, options: ScriptOptions<'_>, catalogue: &Catalogue) -> io::Result<Self> {
         let text = String::from_utf8(std::fs::read(path)?)
             .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, format!("it is not UTF-8: {error}")))?;
         let folder = match path.parent() {
@@ -72,7 +82,7 @@ impl Script {
             _ => PathBuf::from("."),
         };
         let name = printable::path(path);
-        Ok(Self::of_text(name, folder, text, settings, catalogue, isolated))
+        Ok(Self::of_text(name, folder, text, options, catalogue))
     }
 
     /// A script without a text of its own, whose tree is made of texts of the command line; `text` says all that it means.
@@ -90,7 +100,7 @@ impl Script {
         let (parts, tables, units) = (Vec::new(), Vec::new(), Vec::new());
         let mut script = Self { name, folder, text, sources, diagnostics, scenario: None, parts, tables, units };
         if let Some(file) = file {
-            script.resolve(&file, &[], catalogue, false);
+            script.resolve(&file, (&[], None), catalogue, false);
         }
         script
     }
@@ -101,9 +111,8 @@ impl Script {
         name: String,
         folder: PathBuf,
         text: String,
-        settings: &[String],
+        options: ScriptOptions<'_>,
         catalogue: &Catalogue,
-        isolated: bool,
     ) -> Self {
         let mut script = Self {
             name: name.clone(),
@@ -119,9 +128,10 @@ impl Script {
         let file_text = script.sources.add(name, text);
         let parsed = parse(&script.sources, file_text);
         script.diagnostics = parsed.diagnostics;
-        let settings = script.assignments(settings);
+        let settings = script.assignments(options.settings);
+        let case = options.case.map(|number| script.case(number));
         if script.diagnostics.is_empty() {
-            script.resolve(&parsed.file, &settings, catalogue, isolated);
+            script.resolve(&parsed.file, (&settings, case), catalogue, options.isolated);
         }
         script
     }
@@ -138,7 +148,21 @@ impl Script {
         bindings
     }
 
-    fn resolve(&mut self, file: &File, settings: &[Binding], catalogue: &Catalogue, isolated: bool) {
+    /// A case whose number has a place for diagnostics.
+    fn case(&mut self, number: u64) -> Case {
+        let written = number.to_string();
+        let end = u32::try_from(written.len()).unwrap_or_default();
+        let text = self.sources.add("--case", written);
+        Case { number, place: Span { text, start: 0, end } }
+    }
+
+    fn resolve(
+        &mut self,
+        file: &File,
+        (settings, case): (&[Binding], Option<Case>),
+        catalogue: &Catalogue,
+        isolated: bool,
+    ) {
         let files = Files {
             name: &self.name,
             folder: &self.folder,
@@ -151,7 +175,7 @@ impl Script {
             self.diagnostics = parts.diagnostics;
             return;
         }
-        let request = Request { sources: &self.sources, file, parts: &parts, loader: &files, settings, isolated };
+        let request = Request { sources: &self.sources, file, parts: &parts, loader: &files, settings, case, isolated };
         let resolved = resolve(&request);
         self.units = files.units.into_inner().unwrap_or_else(PoisonError::into_inner);
         self.tables = files.tables.into_inner().unwrap_or_else(PoisonError::into_inner);

@@ -141,6 +141,7 @@ fn verdict(scenario: &Scenario, record: &RunRecord, script: &str, end: String, e
         scenario: scenario.title.clone(),
         script: script.to_owned(),
         parameters: record.parameters.clone(),
+        case: record.case,
         time_s: seconds(ended.last_tick, scenario.step_ns),
         end,
         claims: claims
@@ -194,6 +195,7 @@ mod tests {
                 scenario: "A unit goes up".to_owned(),
                 script: "a.scn".to_owned(),
                 parameters: Vec::new(),
+                case: None,
                 time_s: 0.1,
                 end: "the end".to_owned(),
                 claims: Vec::new(),

@@ -122,6 +122,7 @@ impl Script {
             start_tick: 0,
             stop_tick: 6,
             parameters: Vec::new(),
+            sweep: None,
             units: vec![Unit { name: String::new() }],
             instances: units.iter().enumerate().map(instance).collect(),
             initialization: Vec::new(),

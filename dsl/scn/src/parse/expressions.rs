@@ -140,7 +140,8 @@ impl Walk<'_> {
             let operand = self.expression(next(&mut parts));
             let tolerance =
                 parts.next_if(|part| part.as_rule() == Rule::tol).map(|_| self.expression(next(&mut parts)));
-            let tolerance_time = parts.next_if(|part| part.as_rule() == Rule::tol_time).map(|part| self.span(&part));
+            let tolerance_time = parts.next_if(|part| part.as_rule() == Rule::tol_time);
+            let tolerance_time = tolerance_time.map(|part| self.expression(last(part)));
             let (operator, operator_span) = (comparator(operator.as_str()), self.span(&operator));
             rest.push(ComparisonLink { operator, operator_span, operand, tolerance, tolerance_time });
         }
@@ -228,4 +229,10 @@ fn comparator(written: &str) -> Comparator {
         "==" => Comparator::Equal,
         _ => Comparator::NotEqual,
     }
+}
+
+/// The operand behind the keyword of a clause.
+fn last(clause: Pair<'_, Rule>) -> Pair<'_, Rule> {
+    let Some(operand) = clause.into_inner().last() else { unreachable!("a clause has an operand") };
+    operand
 }

@@ -297,10 +297,10 @@ fn what_rises_is_no_source_within_a_step() {
     for condition in ["rises(quad.height > 3 m)", "(not rises(quad.height > 3 m)) or quad.landed"] {
         assert!(shown(&flight(&format!("{condition} -> ctrl.armed"))).is_empty(), "{condition}");
         let refused = shown(&flight(&format!("let late = {condition}\nlate => ctrl.armed")));
-        assert!(refused.starts_with("error[E20]: `rises` before `=>` is not known"), "{refused}");
+        assert!(refused.starts_with("error[E07]: `rises` compares two samples"), "{refused}");
     }
     insta::assert_snapshot!(shown(&flight("rises(quad.landed) => ctrl.armed")), @"
-    error[E20]: `rises` before `=>` is not known to this version of lockstep yet
+    error[E07]: `rises` compares two samples, and `=>` brings what is in no sample yet
      --> test.scn:7:1
       |
     7 | rises(quad.landed) => ctrl.armed

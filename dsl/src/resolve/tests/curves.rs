@@ -32,3 +32,24 @@ curve(\"in.csv\", \"place\") -> ctrl.armed
 let f = curve(\"in.csv\", quad.roll)";
     insta::assert_snapshot!(shown(&flight(lines)));
 }
+
+#[test]
+fn a_tolerance_of_time_is_the_least_distance_from_a_curve_in_si() {
+    let lines = "let x = curve(\"in.csv\", \"u\")
+assert near: always quad.state.position.x / 1 s == x ± 1 m/s within 25 ms
+assert turned: always x == quad.state.position.x / 1 s ± 1 m/s within (1 s)";
+    let scenario = run_with(&flight(lines), &[]).resolved.scenario.expect("no error");
+    let claims: Vec<_> = scenario.claims.iter().map(|claim| format!("{:?}", claim.formula)).collect();
+    insta::assert_snapshot!(claims.join("\n"));
+}
+
+#[test]
+fn a_tolerance_of_time_wants_a_curve_and_a_span_of_time() {
+    let lines = "let x = curve(\"in.csv\", \"u\")
+assert a: always quad.roll == quad.roll ± 1 deg within 20 ms
+assert b: always quad.state.position.x / 1 s == x + 1 m/s ± 1 m/s within 20 ms
+assert c: always quad.state.position.x / 1 s == x ± 1 m/s within 20
+assert d: always quad.state.position.x / 1 s == x ± 1 m/s within quad.roll
+assert e: always quad.state.position.x / 1 s < x ± 1 m/s within 20 ms";
+    insta::assert_snapshot!(super::fixtures::headings(&flight(lines)));
+}

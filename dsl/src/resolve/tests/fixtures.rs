@@ -10,9 +10,9 @@ use crate::diagnostic::{Diagnostic, render};
 use crate::loader::{Loader, Problem, Table, TableColumn};
 use crate::parse::{parse, parse_assignment};
 use crate::parts::Parts;
-use crate::resolve::{Request, Resolved, resolve};
+use crate::resolve::{Case, Request, Resolved, resolve};
 use crate::scenario::Scenario;
-use crate::source::{Source, Sources};
+use crate::source::{Source, Sources, Span};
 
 const QUADCOPTER: &str = "
     input continuous Real wind.x m/s start=0
@@ -280,15 +280,20 @@ pub(super) struct Outcome {
 
 /// Resolves a script with settings of the command line.
 pub(super) fn run_with(script: &str, settings: &[&str]) -> Outcome {
-    attempt(script, settings).unwrap_or_else(|syntax| panic!("{syntax}"))
+    attempt(script, settings, None).unwrap_or_else(|syntax| panic!("{syntax}"))
+}
+
+/// The same for a case of the script's sweep.
+pub(super) fn run_case(script: &str, settings: &[&str], case: u64) -> Outcome {
+    attempt(script, settings, Some(case)).unwrap_or_else(|syntax| panic!("{syntax}"))
 }
 
 /// Resolves a script if it parses.
 pub(super) fn try_run(script: &str) -> Option<Outcome> {
-    attempt(script, &[]).ok()
+    attempt(script, &[], None).ok()
 }
 
-fn attempt(script: &str, settings: &[&str]) -> Result<Outcome, String> {
+fn attempt(script: &str, settings: &[&str], case: Option<u64>) -> Result<Outcome, String> {
     let mut sources = Sources::default();
     let text = sources.add("test.scn", script);
     let settings: Vec<_> = settings.iter().map(|setting| sources.add("--set", *setting)).collect();
@@ -300,12 +305,18 @@ fn attempt(script: &str, settings: &[&str]) -> Result<Outcome, String> {
         .into_iter()
         .map(|setting| parse_assignment(&sources, setting).expect("a setting that parses"))
         .collect();
+    let case = case.map(|number| {
+        let written = number.to_string();
+        let end = u32::try_from(written.len()).expect("a short text");
+        Case { number, place: Span { text: sources.add("--case", written), start: 0, end } }
+    });
     let (file, loader) = (&parsed.file, &Memory);
     let parts = Parts::load(&mut sources, file, loader);
     if !parts.diagnostics.is_empty() {
         return Err(render(&sources, &parts.diagnostics, false));
     }
-    let request = Request { sources: &sources, file, parts: &parts, loader, settings: &settings, isolated: false };
+    let request =
+        Request { sources: &sources, file, parts: &parts, loader, settings: &settings, case, isolated: false };
     let resolved = resolve(&request);
     Ok(Outcome { sources, resolved })
 }
@@ -325,6 +336,7 @@ pub(super) fn findings(script: &str) -> (Sources, Vec<Diagnostic>) {
         parts: &parts,
         loader: &Memory,
         settings: &[],
+        case: None,
         isolated: false,
     };
     let mut found = resolve(&request).diagnostics;
@@ -335,6 +347,14 @@ pub(super) fn findings(script: &str) -> (Sources, Vec<Diagnostic>) {
 /// Whether a finding is about what the scripts of most tests have on purpose: units that are not connected.
 fn is_about_completeness(finding: &Diagnostic) -> bool {
     matches!(finding.code, "W02" | "W06")
+}
+
+impl Outcome {
+    /// Its findings as a user sees them, without those about forgotten connections.
+    pub fn shown(mut self) -> String {
+        self.resolved.diagnostics.retain(|finding| !is_about_completeness(finding));
+        render(&self.sources, &self.resolved.diagnostics, false)
+    }
 }
 
 /// What a user sees of all errors and warnings of a script, those about forgotten connections included.
@@ -356,9 +376,7 @@ pub(super) fn headings(script: &str) -> String {
 
 /// The same, with settings of the command line.
 pub(super) fn shown_with(script: &str, settings: &[&str]) -> String {
-    let mut outcome = run_with(script, settings);
-    outcome.resolved.diagnostics.retain(|finding| !is_about_completeness(finding));
-    render(&outcome.sources, &outcome.resolved.diagnostics, false)
+    run_with(script, settings).shown()
 }
 
 /// The lines every script has, three units, and then `lines`.

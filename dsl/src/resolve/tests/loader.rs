@@ -54,6 +54,7 @@ fn calls(script: &str) -> Vec<String> {
         parts: &Parts::default(),
         loader: &loader,
         settings: &[],
+        case: None,
         isolated: false,
     });
     assert!(!resolved.diagnostics.is_empty(), "nothing is connected");

@@ -20,6 +20,7 @@ mod mutations;
 mod names;
 mod running;
 mod shared;
+mod sweeps;
 mod times;
 mod types;
 mod undeclared;

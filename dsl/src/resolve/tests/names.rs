@@ -1,6 +1,6 @@
 //! Errors about names, declarations and statements.
 
-use super::fixtures::{flight, run_with, shown, shown_with};
+use super::fixtures::{flight, shown, shown_with};
 
 #[test]
 fn a_misspelt_variable_names_the_nearest_one() {
@@ -176,31 +176,6 @@ fn repeated_statements_and_periods_are_refused() {
       |                        the first
       |
       = help: write one `every`
-    "#);
-}
-
-#[test]
-fn features_of_later_versions_are_refused_by_name() {
-    let lines = "assert near: always quad.roll == ctrl.error / 1 m * 1 deg ± 1 deg within 20 ms
-sweep { seed in 1..3 }";
-    let found = run_with(&flight(lines), &[]).resolved.diagnostics;
-    let messages: Vec<_> = found.iter().map(|error| format!("{} {}", error.code, error.message)).collect();
-    insta::assert_snapshot!(messages.join("\n"), @r#"
-    E20 `within` after `±` is not known to this version of lockstep yet
-    E20 `sweep` is not known to this version of lockstep yet
-    "#);
-}
-
-#[test]
-fn a_refusal_says_what_to_do() {
-    insta::assert_snapshot!(shown(&flight("sweep { seed in 1..3 }")), @r#"
-    error[E20]: `sweep` is not known to this version of lockstep yet
-     --> test.scn:7:1
-      |
-    7 | sweep { seed in 1..3 }
-      | ^^^^^^^^^^^^^^^^^^^^^^
-      |
-      = help: leave it out for now
     "#);
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Binary, Operation, Program, Text, Unary};
 use crate::values::{Slot, ValueType};
-use dsl::scenario::{BooleanExpression, Curve, Function, Margin, Operand, Port, RealExpression, Value};
+use dsl::scenario::{BooleanExpression, Curve, Function, Margin, Near, Operand, Port, RealExpression, Value};
 use std::sync::Arc;
 
 /// Returns the slot of a port; called for every signal of an expression.
@@ -95,6 +95,10 @@ impl Compiler<'_, '_> {
             E::Multiply(a, b) => self.pair(a, b, Binary::Multiply),
             E::Divide(a, b) => self.pair(a, b, Binary::Divide),
             E::Curve(curve) => self.push(Operation::Curve(Arc::clone(curve))),
+            E::Near(Near { of, curve, within_s }) => {
+                self.real(of);
+                self.operations.push(Operation::Near(Arc::clone(curve), *within_s));
+            }
             E::Shared(slot) => self.push(Operation::Shared(u32::try_from(*slot).unwrap_or(u32::MAX))),
             E::Call(function, arguments) => self.call(*function, arguments),
             // A run sums up the samples that this gives: `running.rs`.

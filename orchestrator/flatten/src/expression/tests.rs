@@ -2,8 +2,9 @@
 
 use super::{Moment, Program, Stack};
 use crate::values::{Slot, ValueType, Values};
-use dsl::scenario::{BooleanExpression as B, Function, Margin, Operand, Port, RealExpression as E, Value};
+use dsl::scenario::{BooleanExpression as B, Curve, Function, Margin, Near, Operand, Port, RealExpression as E, Value};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// Variables of instance 0 are Reals 0, 1, …; of instance 1 Integers, of 2 Booleans, of 3 texts.
 fn slot_of(port: Port) -> Slot {
@@ -32,6 +33,14 @@ fn holds(condition: &B) -> bool {
 
 fn signal(variable: usize) -> E {
     E::Signal(Port { instance: 0, variable })
+}
+
+#[test]
+fn the_least_distance_from_a_curve_is_that_around_the_moment() {
+    // At 1.5 s the curve is 5; it comes down to the 3 of the signal at 1.25 s.
+    let curve = Arc::new(Curve { rows: vec![(1.0, 1.0), (2.0, 9.0)], held: false });
+    let near = |within_s| E::Near(Near { of: Box::new(signal(0)), curve: Arc::clone(&curve), within_s });
+    assert_eq!([0.0, 0.125, 0.25, 9.0].map(|within_s| real(&near(within_s))), [2.0, 1.0, 0.0, 0.0]);
 }
 
 #[test]

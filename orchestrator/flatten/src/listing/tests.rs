@@ -86,6 +86,7 @@ fn plan(script: &str, description: &str) -> String {
         parts: &Parts::default(),
         loader: &tank,
         settings: &[],
+        case: None,
         isolated: false,
     });
     let scenario = resolved.scenario.unwrap_or_else(|| panic!("{:?}", resolved.diagnostics));

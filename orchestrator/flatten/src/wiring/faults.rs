@@ -1,10 +1,10 @@
 //! Faults of connections: what happens to the value of an input behind its connection and its `set`.
 
 use super::events::InForce;
-use super::random::Draws;
 use super::slot_table::SlotTable;
 use crate::expression::{Moment, Program, Stack};
 use crate::values::{Slot, Values};
+use dsl::random::Draws;
 use dsl::scenario::{Fault, FaultKind, Port, RealExpression, Scenario};
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! The table of claims at the end of a run.
 
 use super::number::{beside, duration, short};
-use crate::run_record::{Parameter, RunState};
+use crate::run_record::{Case, Parameter, RunState};
 use crate::shortest_decimal;
 use crate::verdict::{JudgedClaim, Verdict, VerdictFile};
 use fmi2::printable;
@@ -44,10 +44,14 @@ pub fn next_lines(folder: &Path, recorded: bool) -> String {
     format!("{folder}\n  lockstep plot {folder}\n  lockstep diff {folder} OTHER\n")
 }
 
-/// The command that repeats a run: the script with what the command line set.
+/// The command that repeats a run: the script with the case of its sweep and what the command line set.
 #[must_use]
-pub fn replay_command(script: &Path, parameters: &[Parameter], units: &[PathBuf]) -> String {
+pub fn replay_command(script: &Path, case: Option<Case>, parameters: &[Parameter], units: &[PathBuf]) -> String {
     let mut line = format!("lockstep run {}", printable::shell_word(script));
+    if let Some(Case { number, draw_seed }) = case {
+        let _ = write!(line, " --case {number}");
+        let _ = draw_seed.map_or(Ok(()), |seed| write!(line, " --set 'seed = {seed}'"));
+    }
     for parameter in parameters.iter().filter(|parameter| parameter.set) {
         let setting = format!("{} = {}", parameter.name, parameter.value);
         let _ = write!(line, " --set {}", printable::shell_word(setting));
@@ -190,12 +194,13 @@ mod tests {
             scenario: "Quadcopter flies".to_owned(),
             script: "quad.scn".to_owned(),
             parameters: parameters(),
+            case: None,
             time_s,
             end: end.to_owned(),
             claims: claims.collect(),
             events: Vec::new(),
         };
-        let replay = replay_command(Path::new(heading.script), &verdict.parameters, &[]);
+        let replay = replay_command(Path::new(heading.script), None, &verdict.parameters, &[]);
         report(&heading, &verdict, &replay) + &next_lines(Path::new("runs/quad"), true)
     }
 
@@ -266,7 +271,13 @@ mod tests {
     #[test]
     fn a_replay_command_is_quoted_for_the_shell() {
         let parameter = |value: &str| Parameter { name: "load".to_owned(), value: value.to_owned(), set: true };
-        let line = replay_command(Path::new("my runs/a.scn"), &[parameter("5 'N.m'")], &["units".into()]);
+        let (script, set, units) = (Path::new("my runs/a.scn"), [parameter("5 'N.m'")], ["units".into()]);
+        let line = replay_command(script, None, &set, &units);
         assert_eq!(line, r#"lockstep run 'my runs/a.scn' --set 'load = 5 '\''N.m'\''' --units units"#);
+        let case = Case { number: 7, draw_seed: None };
+        assert_eq!(replay_command(Path::new("a.scn"), Some(case), &[], &[]), "lockstep run a.scn --case 7");
+        let case = Case { number: 7, draw_seed: Some(3) };
+        let line = replay_command(Path::new("a.scn"), Some(case), &[], &[]);
+        assert_eq!(line, "lockstep run a.scn --case 7 --set 'seed = 3'");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::find::catalogue::{Catalogue, is_archive};
 use crate::find::preparation::{self, Refusal};
-use crate::find::script::Script;
+use crate::find::script::{Script, ScriptOptions};
 use dsl::format::format;
 use dsl::skeleton::{Loaded, Skeleton, name_of};
 use fmi2::printable;
@@ -93,7 +93,7 @@ fn checked(units: &[Loaded], folder: &Path, catalogue: &Catalogue) -> String {
     let mut skeleton = Skeleton::of(units);
     loop {
         let (text, lines) = skeleton.text();
-        let script = Script::of_text("script".to_owned(), folder.to_owned(), text, &[], catalogue, false);
+        let script = Script::of_text("script".to_owned(), folder.to_owned(), text, ScriptOptions::default(), catalogue);
         let errors = script.diagnostics.iter().filter(|diagnostic| diagnostic.is_error());
         let places = errors.flat_map(|error| &error.labels);
         let wrong: Vec<_> = places.map(|label| script.sources.line_and_column(label.span).0).collect();

@@ -67,6 +67,7 @@ fn scenario(ticks: u64) -> Scenario {
         start_tick: 0,
         stop_tick: ticks,
         parameters: Vec::new(),
+        sweep: None,
         units: vec![Unit { name: "foreign.fmu".to_owned() }],
         instances: vec![instance("a", 0), instance("b", 1)],
         initialization: Vec::new(),

@@ -1,4 +1,5 @@
-//! The random numbers of faults: hashes, so that each draw depends on what it is for and on nothing that happened before.
+//! The random numbers of faults and of sweeps: hashes, so that each draw depends on what it is for and on nothing that
+//! happened before.
 
 use std::f64::consts::TAU;
 use twox_hash::XxHash3_64;
@@ -6,23 +7,27 @@ use twox_hash::XxHash3_64;
 /// The increment of SplitMix64.
 const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The random numbers of one fault.
+/// The random numbers of one fault, or of one axis of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Draws(u64);
+pub struct Draws(u64);
 
 impl Draws {
-    /// Those of the fault with this ordinal among the faults of a port, which has this full name.
-    pub fn new(seed: i64, port: &str, ordinal: u64) -> Self {
-        let words = [seed.cast_unsigned(), XxHash3_64::oneshot(port.as_bytes()), ordinal];
+    /// Those of the fault with this ordinal among the faults of a port, which has this full name; those of an axis have the
+    /// name of its parameter.
+    #[must_use]
+    pub fn new(seed: i64, name: &str, ordinal: u64) -> Self {
+        let words = [seed.cast_unsigned(), XxHash3_64::oneshot(name.as_bytes()), ordinal];
         Self(words.into_iter().fold(0, hash))
     }
 
-    /// A number from 0 up to but not including 1.
+    /// A number from 0 up to but not including 1; the last word is a tick, or a case.
+    #[must_use]
     pub fn uniform(self, element: u64, tick: u64) -> f64 {
         fraction(self.word(element, tick))
     }
 
     /// A number of the normal distribution with mean 0 and standard deviation 1, by Box and Muller.
+    #[must_use]
     pub fn normal(self, element: u64, tick: u64) -> f64 {
         let word = self.word(element, tick);
         let (distance, turn) = (1.0 - fraction(word), fraction(split_mix(word)));
