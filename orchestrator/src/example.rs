@@ -49,7 +49,7 @@ pub fn record() -> RunRecord {
         files: vec![],
         from: None,
         parameters: vec![],
-        sweep: None,
+        case: None,
         host: Host { name: "here".to_owned(), system: "linux", processor: "x86_64" },
         started: "2030-01-02T03:04:05Z".to_owned(),
         wall_s: 0.0,

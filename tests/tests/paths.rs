@@ -113,3 +113,36 @@ fn colours_need_a_terminal_that_has_them_and_a_user_who_wants_them() {
         assert!(!colours(&[("NO_COLOR", "1")], command) && !colours(&[("TERM", "dumb")], command));
     }
 }
+
+#[test]
+fn units_are_found_in_the_folders_of_an_environment_variable_after_those_of_the_command_line() {
+    let home = tempfile::tempdir().unwrap();
+    for folder in ["first", "second"] {
+        fs::create_dir(home.path().join(folder)).unwrap();
+    }
+    fs::write(home.path().join("table.csv"), "").unwrap();
+    fs::write(home.path().join("a.scn"), SCRIPT.replace("reader.fmu", "reader")).unwrap();
+    reader(&home.path().join("second"));
+    let check = |folders: &str, arguments: &[&str]| {
+        let mut command = tests::program::command(home.path(), &[&["check", "a.scn"][..], arguments].concat());
+        Said::from(command.env("LOCKSTEP_UNITS", folders).output().unwrap())
+    };
+    let said = check("first::second", &[]);
+    assert_eq!(
+        (said.code, said.out.as_str()),
+        (Some(0), "a.scn: ok  1 unit, 0 connections, 1 claim\n"),
+        "{}",
+        said.err
+    );
+    let said = check("first", &[]);
+    assert!(said.out.contains("there is no unit `reader`"), "{}", said.out);
+    let said = check("second:third", &[]);
+    assert_eq!(said.code, Some(2));
+    assert_eq!(
+        said.err,
+        "error: LOCKSTEP_UNITS names third, which is no folder\nhelp: it is a list of folders with `:` between them\n"
+    );
+    fs::write(home.path().join("first/reader.fmu"), "no archive").unwrap();
+    let said = check("second", &["--units", "first"]);
+    assert_eq!(said.code, Some(2), "{}: the folder of the command line comes first", said.out);
+}

@@ -1,7 +1,4 @@
 //! What was written: a tree with spans, before any name means anything. Next on the walk: `resolve/`.
-//!
-//! The tree holds the whole language, also the statements that a run does not know yet; the resolver
-//! refuses those.
 
 use crate::source::Span;
 

@@ -34,7 +34,7 @@ pub struct Check {
     /// Check the scripts with the parameters of this case of their `sweep`, from 0
     #[arg(long, value_name = "K")]
     case: Option<u64>,
-    /// Where units are looked for before the workspace
+    /// A folder of units, looked up before those of LOCKSTEP_UNITS and the workspace
     #[arg(long, value_name = "DIR")]
     units: Vec<PathBuf>,
     /// Never build a unit
@@ -218,6 +218,7 @@ mod tests {
             let check = Check {
                 files: vec![file.clone()],
                 set: Vec::new(),
+                case: None,
                 units: Vec::new(),
                 no_build: true,
                 isolate: false,

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 pub struct Describe {
     /// A unit as scripts name it, or an .fmu file
     unit: Option<OsString>,
-    /// Where units are looked for before the workspace
+    /// A folder of units, looked up before those of LOCKSTEP_UNITS and the workspace
     #[arg(long, value_name = "DIR")]
     units: Vec<PathBuf>,
     /// Never build a unit

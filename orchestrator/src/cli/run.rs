@@ -35,7 +35,7 @@ pub struct Run {
     /// Where the results go; a folder of an earlier run is replaced [default: runs/SCRIPT]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Where units are looked for before the workspace
+    /// A folder of units, looked up before those of LOCKSTEP_UNITS and the workspace
     #[arg(long, value_name = "DIR")]
     units: Vec<PathBuf>,
     /// Never build a unit

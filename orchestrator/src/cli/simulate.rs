@@ -64,7 +64,7 @@ pub struct Simulate {
     /// Copies the recorded rows to this file too
     #[arg(long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
-    /// Where units are looked for before the workspace
+    /// A folder of units, looked up before those of LOCKSTEP_UNITS and the workspace
     #[arg(long, value_name = "DIR")]
     units: Vec<PathBuf>,
     /// Never build a unit

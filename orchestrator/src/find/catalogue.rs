@@ -1,8 +1,8 @@
 //! Finds the units that a script names, and builds those of the user's own workspace that are stale.
 //!
 //! A name that ends in `.fmu` or `.FMU` is a path beside the script. Any other name is looked up in the folders of
-//! `--units`, then among the unit crates of the cargo workspace that the user's current folder is in. Nothing else is ever
-//! built.
+//! `--units` and of `LOCKSTEP_UNITS`, then among the packed units of the cargo workspace that the script is in, then among
+//! the unit crates of the workspace that the user's current folder is in. Nothing outside of the latter is ever built.
 
 use dsl::loader::Problem as UnitProblem;
 use fmi2::printable;
@@ -77,7 +77,7 @@ impl Catalogue {
         }
     }
 
-    /// All units that bare names can mean, sorted by name; a folder of `--units` comes before the workspace.
+    /// All units that bare names can mean in every script, sorted by name; a folder of units comes before the workspace.
     #[must_use]
     pub fn entries(&self) -> Vec<Entry> {
         let packed = self.folders.iter().flat_map(|folder| archives_in(folder));
@@ -99,11 +99,24 @@ impl Catalogue {
             let path = folder.join(named.map_or(Path::new(name), |(_, path)| path));
             return if path.is_file() { Ok(path) } else { Err(no_file(name, &path)) };
         }
-        match self.entries().into_iter().find(|entry| entry.name == name) {
-            Some(Entry { origin: Origin::Archive(path), .. }) => Ok(path),
-            Some(Entry { origin: Origin::Crate(unit), .. }) => self.built(&unit),
-            None => Err(self.unknown(name)),
+        let found = self.entries().into_iter().find(|entry| entry.name == name).map(|entry| entry.origin);
+        if let Some(Origin::Archive(path)) = found {
+            return Ok(path);
         }
+        let of_script = self.unit_of_script(name, folder);
+        match (of_script.as_ref().map(UnitCrate::archive).filter(|archive| archive.is_file()), found) {
+            (Some(archive), _) => Ok(archive),
+            (None, Some(Origin::Crate(unit))) => self.built(&unit),
+            (None, _) => Err(of_script.map_or_else(|| self.unknown(name), |unit| not_packed(&unit))),
+        }
+    }
+
+    /// A unit of the workspace that a script's folder is in, if that is another than the user's.
+    fn unit_of_script(&self, name: &str, folder: &Path) -> Option<UnitCrate> {
+        let workspace = Workspace::around(&folder.canonicalize().ok()?).ok()??;
+        let is_own =
+            self.workspace.as_ref().is_some_and(|own| own.folder.canonicalize().ok() == Some(workspace.folder.clone()));
+        workspace.units.into_iter().find(|unit| !is_own && unit.name == name)
     }
 
     fn built(&self, unit: &UnitCrate) -> Result<PathBuf, UnitProblem> {
@@ -134,6 +147,13 @@ impl Catalogue {
         };
         UnitProblem { message: format!("there is no unit `{name}`"), help: Some(help) }
     }
+}
+
+/// That a unit of another workspace than the user's is not packed.
+fn not_packed(unit: &UnitCrate) -> UnitProblem {
+    let message = format!("unit `{}` of the workspace that this script is in is not packed", unit.name);
+    let help = format!("run `lockstep pack {}` in {}", unit.name, printable::path(&unit.folder));
+    UnitProblem { message, help: Some(help) }
 }
 
 fn no_file(name: &str, path: &Path) -> UnitProblem {
@@ -185,6 +205,34 @@ mod tests {
         let catalogue = Catalogue::new(vec![root.path().join("packed")], root.path(), false).unwrap();
         assert_eq!(catalogue.entries().len(), 1);
         assert_eq!(catalogue.find("tank", root.path()).unwrap(), packed);
+    }
+
+    #[test]
+    fn a_packed_unit_of_the_scripts_own_workspace_is_found_and_never_built() {
+        let root = tempfile::tempdir().unwrap();
+        let write = |path: &str, text: &str| {
+            let path = root.path().join(path);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        };
+        write("theirs/Cargo.toml", "[package]\nname = \"tank\"\n[package.metadata.fmu]\n");
+        write("theirs/scenarios/a.scn", "");
+        write("mine/Cargo.toml", "[package]\nname = \"tank\"\n[package.metadata.fmu]\n");
+        let [theirs, mine] = ["theirs", "mine"].map(|folder| root.path().canonicalize().unwrap().join(folder));
+        let from_elsewhere = Catalogue::new(Vec::new(), root.path(), true).unwrap();
+        let problem = from_elsewhere.find("tank", &theirs.join("scenarios")).unwrap_err();
+        assert_eq!(problem.message, "unit `tank` of the workspace that this script is in is not packed");
+        assert_eq!(problem.help, Some(format!("run `lockstep pack tank` in {}", theirs.display())));
+        let archive = UnitCrate::archive(&Workspace::around(&theirs).unwrap().unwrap().units[0]);
+        std::fs::create_dir_all(archive.parent().unwrap()).unwrap();
+        std::fs::write(&archive, "").unwrap();
+        for current in [root.path(), &mine] {
+            let catalogue = Catalogue::new(Vec::new(), current, false).unwrap();
+            assert_eq!(catalogue.find("tank", &theirs.join("scenarios")).unwrap(), archive);
+        }
+        let inside = Catalogue::new(Vec::new(), &theirs, false).unwrap();
+        let stale = inside.find("tank", &theirs.join("scenarios"));
+        assert!(stale.is_err(), "inside of the workspace a crate is built when it is stale: {stale:?}");
     }
 
     #[test]

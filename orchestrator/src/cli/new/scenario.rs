@@ -21,7 +21,7 @@ pub(super) struct Scenario {
     /// The script to write, which must not exist [default: standard output]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Where units are looked for before the workspace
+    /// A folder of units, looked up before those of LOCKSTEP_UNITS and the workspace
     #[arg(long = "units", value_name = "DIR")]
     folders: Vec<PathBuf>,
     /// Never build a unit
