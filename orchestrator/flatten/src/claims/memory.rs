@@ -2,6 +2,7 @@
 //! as it is and the bytes of a damaged one cannot cause deep recursion.
 
 use super::Claims;
+use super::early::{Early, EarlyMemory};
 use super::judged::{Decision, Joined};
 use super::until::UntilMemory;
 use super::window::Window;
@@ -26,6 +27,8 @@ pub struct ClaimsMemory {
     /// Whether each gate was open when the claim asked for it, and each `until` did not end at once.
     pub(super) opened: Vec<bool>,
     pub(super) lost: Option<usize>,
+    /// What is known early of claims.
+    pub(super) earlies: Vec<EarlyMemory>,
 }
 
 /// The shape of the memory: it gives out the indices while claims are compiled.
@@ -40,6 +43,7 @@ pub(super) struct Layout {
     /// By how many ticks the values of each history are late.
     histories: Vec<u64>,
     gates: usize,
+    earlies: usize,
     /// The parts of the current claim.
     parts: u32,
 }
@@ -79,6 +83,12 @@ impl Layout {
         self.gates - 1
     }
 
+    /// The next memory of what is known early.
+    pub fn early(&mut self) -> usize {
+        self.earlies += 1;
+        self.earlies - 1
+    }
+
     /// How many gates there are so far.
     pub fn gates(&self) -> usize {
         self.gates
@@ -112,6 +122,7 @@ impl Claims {
             histories: vec![Vec::new(); self.layout.histories.len()],
             opened: vec![false; self.layout.gates],
             lost: None,
+            earlies: self.early().map(Early::memory).collect(),
         };
         self.reserve(&mut memory);
         memory
@@ -126,13 +137,16 @@ impl Claims {
             let capacity = usize::try_from(count).unwrap_or(usize::MAX).min(MAX_INITIAL_CAPACITY);
             values.reserve_exact(capacity.saturating_sub(values.len()));
         }
+        for (early, memory) in self.early().zip(&mut memory.earlies) {
+            early.reserve(memory, self.stop_tick, MAX_INITIAL_CAPACITY);
+        }
     }
 
     /// Whether the memory, of whatever origin, can be that of these claims after so many samples: of the same shape, with
     /// nothing from the future.
     #[must_use]
     pub fn fits(&self, memory: &ClaimsMemory, samples: u64) -> bool {
-        let Layout { decisions, temporals, windows, untils, histories, gates, .. } = &self.layout;
+        let Layout { decisions, temporals, windows, untils, histories, gates, earlies, .. } = &self.layout;
         let in_time = |decision: &Decision| decision.is_none_or(|value| value.tick < samples);
         let count = |horizon: &u64| samples.saturating_sub(*horizon);
         (memory.decisions.len(), memory.temporals.len()) == (*decisions, *temporals)
@@ -147,5 +161,12 @@ impl Claims {
             && memory.histories.iter().map(|values| values.len() as u64).eq(histories.iter().map(count))
             && memory.histories.iter().flatten().all(in_time)
             && memory.lost.is_none_or(|claim| claim < self.formulas.len())
+            && memory.earlies.len() == *earlies
+            && self.early().zip(&memory.earlies).all(|(early, memory)| early.fits(memory, samples))
+    }
+
+    /// Those that know verdicts early, in the order of their memory.
+    fn early(&self) -> impl Iterator<Item = &Early> {
+        self.formulas.iter().filter_map(|claim| claim.early.as_ref()).map(|(early, _)| early)
     }
 }

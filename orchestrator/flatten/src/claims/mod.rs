@@ -1,10 +1,12 @@
 //! Claims judged online: each takes one sample at every tick and has a standing at any time.
 //!
 //! A claim is a `claim::AtStart` over `stream::Stream`s, which never change; what changes is in a `ClaimsMemory`. All of
-//! it is allocated before the first sample, so that taking one allocates nothing. Next on the walk: `recorder.rs` and
+//! it is allocated before the first sample, so that taking one allocates nothing. Where margins are late, `early::Early`
+//! knows the verdict at the first sample that determines it. Next on the walk: `recorder.rs` and
 //! `report/` of the crate `results`.
 
 mod claim;
+mod early;
 mod history;
 #[cfg(test)]
 mod judge;
@@ -21,6 +23,7 @@ pub use memory::ClaimsMemory;
 use crate::expression::{Moment, SlotOf, Stack};
 use claim::AtStart;
 use dsl::scenario::Claim;
+use early::Early;
 use memory::Layout;
 use results::verdict::{ClaimInfo, ClaimPart, Limit, MarginUnit, Standing, Verdict};
 use std::ops::Range;
@@ -60,10 +63,40 @@ pub fn info(claim: &Claim) -> ClaimInfo {
 /// All claims of a script, compiled.
 #[derive(Debug)]
 pub struct Claims {
-    /// Each with the indices of its gates.
-    formulas: Vec<(AtStart, Range<usize>)>,
+    formulas: Vec<Compiled>,
     layout: Layout,
     stop_tick: u64,
+}
+
+/// A claim, compiled.
+#[derive(Debug)]
+struct Compiled {
+    formula: AtStart,
+    /// The indices of its gates.
+    gates: Range<usize>,
+    /// Where its verdict would be late otherwise, with the index of its memory.
+    early: Option<(Early, usize)>,
+}
+
+impl Compiled {
+    /// Its standing while samples come.
+    fn standing(&self, memory: &ClaimsMemory) -> Standing {
+        let standing = self.formula.standing(memory, false);
+        let early = self.early.as_ref().and_then(|(early, index)| early.holds(&memory.earlies[*index]));
+        match (standing.verdict, early) {
+            (Verdict::Undecided, Some(true)) => Standing { verdict: Verdict::Holds, ..standing },
+            (Verdict::Undecided, Some(false)) => Standing { verdict: Verdict::Fails, ..standing },
+            _ => standing,
+        }
+    }
+
+    /// Takes the sample of a tick; returns whether the standing may have changed.
+    fn take(&self, memory: &mut ClaimsMemory, tick: u64, sample: &mut Sample<'_>) -> bool {
+        let changed = self.formula.take(memory, tick, sample);
+        let Some((early, index)) = &self.early else { return changed };
+        let known = early.holds(&memory.earlies[*index]).is_some();
+        changed | (!known && early.take(&mut memory.earlies[*index], tick, sample).is_some())
+    }
 }
 
 impl Claims {
@@ -74,7 +107,9 @@ impl Claims {
             layout.begin_claim();
             let first = layout.gates();
             let formula = AtStart::new(&claim.formula, &mut layout, slot_of);
-            (formula, first..layout.gates())
+            let gates = first..layout.gates();
+            let early = Early::new(&claim.formula, &mut layout, slot_of);
+            Compiled { formula, gates, early: early.map(|early| (early, layout.early())) }
         };
         let formulas = claims.iter().map(formula).collect();
         Self { formulas, layout, stop_tick }
@@ -91,9 +126,9 @@ impl Claims {
         mut changed: impl FnMut(usize, Standing),
     ) {
         let mut sample = Sample { moment, stack };
-        for (index, (formula, _)) in self.formulas.iter().enumerate() {
-            if formula.take(memory, tick, &mut sample) {
-                let standing = formula.standing(memory, false);
+        for (index, claim) in self.formulas.iter().enumerate() {
+            if claim.take(memory, tick, &mut sample) {
+                let standing = claim.standing(memory);
                 changed(index, standing);
                 if standing.verdict == Verdict::Fails {
                     memory.lost.get_or_insert(index);
@@ -104,7 +139,7 @@ impl Claims {
 
     /// The standing of each claim.
     pub fn standings(&self, memory: &ClaimsMemory) -> impl Iterator<Item = (usize, Standing)> {
-        self.formulas.iter().map(|(formula, _)| formula.standing(memory, false)).enumerate()
+        self.formulas.iter().map(|claim| claim.standing(memory)).enumerate()
     }
 
     /// Judges all claims by the samples up to `last_tick`, or as unjudged without any sample, and calls `visit` for each;
@@ -116,7 +151,7 @@ impl Claims {
         completeness: Completeness,
         mut visit: impl FnMut(usize, Standing),
     ) {
-        for (index, (formula, gates)) in self.formulas.iter().enumerate() {
+        for (index, Compiled { formula, gates, .. }) in self.formulas.iter().enumerate() {
             if let Some(last_tick) = last_tick {
                 formula.end(memory, last_tick, completeness);
             }
