@@ -253,6 +253,15 @@ fn a_run_without_one_of_the_disturbances_is_another_one() {
 }
 
 #[test]
+fn a_case_of_the_sweep_with_the_values_of_the_script_is_the_run_without_a_case() {
+    for (script, case) in [(QUADCOPTER, "25"), (FORMATION, "25")] {
+        let home = home(&script);
+        let whole = ran(home.path(), &script, "whole", &[], 0);
+        assert_same(&whole, &ran(home.path(), &script, "case", &["--case", case], 0), &["trace.csv", "events.csv"]);
+    }
+}
+
+#[test]
 fn formatted_scripts_keep_their_meaning() {
     for script in [QUADCOPTER, AUV, FORMATION] {
         let home = home(&script);
