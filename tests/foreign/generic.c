@@ -2,7 +2,8 @@
  *
  * A variable of value reference k is R[k] (Real), I[k] (Integer and Enumeration), B[k] (Boolean) or S[k] (String).
  * Code comes in as -DINSTANTIATE_CODE, SETUP_CODE, ENTER_CODE, EXIT_CODE, SET_CODE, GET_CODE, STEP_CODE,
- * TERMINATE_CODE, FREE_CODE and RESET_CODE; -DINCLUDES="..." is a header that it needs. In it, T is the time at the
+ * TERMINATE_CODE, FREE_CODE and RESET_CODE; -DINCLUDES="..." is a header that it needs, -DFUNCTIONS="..." a file of
+ * functions that it calls with `unit`, -DCOUNT=... how many values of each type there are. In it, T is the time at the
  * begin of the step (s), H its size (s), START the start time that was set up, STEPS the number of steps so far,
  * MODE 0 (instantiated), 1 (initialization) or 2 (stepping), `status` what the call returns (not in INSTANTIATE_CODE
  * and FREE_CODE), and SAY(status, format, ...) logs. -DWITH_STATES saves and restores what R, I, B, S, T, H and STEPS are.
@@ -17,7 +18,9 @@
 #endif
 
 #define EXPORT __attribute__((visibility("default")))
+#ifndef COUNT
 #define COUNT 64
+#endif
 #define LENGTH 256
 
 typedef void (*logger_function)(void *, const char *, int, const char *, const char *, ...);
@@ -59,6 +62,10 @@ struct unit {
     unit->callbacks.logger(unit->callbacks.environment, unit->name, status, "logAll", __VA_ARGS__)
 
 enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING };
+
+#ifdef FUNCTIONS
+#include FUNCTIONS
+#endif
 
 #ifndef INSTANTIATE_CODE
 #define INSTANTIATE_CODE

@@ -5,7 +5,6 @@ import re
 import subprocess
 import sys
 import sysconfig
-import zipfile
 from pathlib import Path
 
 import fmpy
@@ -14,6 +13,7 @@ import numpy as np
 import pytest
 
 import csv_record
+import foreign
 
 STEP_S = 0.125  # exact in binary, so that every importer passes the same bits
 
@@ -71,12 +71,7 @@ def ramp(tmp_path_factory):
 def probe(tmp_path_factory, root):
     """A folder with `foreign.fmu` from `tests/foreign` and a scenario that runs it."""
     folder = tmp_path_factory.mktemp("probe")
-    source, library = root / "tests/foreign", folder / "foreign.so"
-    command = ["cc", "-shared", "-fPIC", "-O1", "-o", library, source / "unit.c", "-lm"]
-    subprocess.run(command, check=True, timeout=60)
-    with zipfile.ZipFile(folder / "foreign.fmu", "w") as archive:
-        archive.write(source / "modelDescription.xml", "modelDescription.xml")
-        archive.write(library, "binaries/linux64/foreign.so")
+    foreign.pack(root, folder)
     (folder / "probe.scn").write_text(PROBE_SCN)
     return folder
 

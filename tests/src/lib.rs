@@ -4,4 +4,5 @@
 pub mod flight;
 pub mod foreign;
 pub mod program;
+pub mod stand_ins;
 pub mod tidy;
