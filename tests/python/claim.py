@@ -173,7 +173,7 @@ class Window:
         return text if self.to else formula.known(text, self.since + body)
 
     def horizon(self, body):
-        return (self.to or 0) + body
+        return (self.since if self.to is None else self.to) + body
 
 
 def always(window, claim, ticks):

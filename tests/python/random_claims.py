@@ -33,8 +33,7 @@ def trace(seed, ticks, grain):
 class Generator:
     """Draws claims; constants are multiples of `grain`, if there is one, so that margins of 0 occur.
 
-    A window `after` is drawn only where a run to the stop time reaches it: inside an unbounded window its range would
-    be empty at the last samples. Claims of runs that end earlier have no `until after`: where its range is empty, the
+    Claims of runs that end earlier have no `until after`: where its range is empty, the
     language says unjudged, but Lockstep says failed if φ failed before.
     """
 
@@ -47,50 +46,50 @@ class Generator:
             return finally_(self.state(2))
         depth = self.random.choice([1, 2, 2, 3])
         if self.random.random() < 0.7:
-            return self.temporal(depth, self.ticks, True)
-        return self.composed(depth, self.ticks, True)
+            return self.temporal(depth, self.ticks)
+        return self.composed(depth, self.ticks)
 
-    def formula(self, depth, room, may_skip):
-        """A claim whose horizon is at most `room` ticks; `may_skip` allows windows `after`."""
-        return self.atom() if depth == 0 or self.random.random() < 0.1 else self.composed(depth, room, may_skip)
+    def formula(self, depth, room):
+        """A claim whose horizon is at most `room` ticks."""
+        return self.atom() if depth == 0 or self.random.random() < 0.1 else self.composed(depth, room)
 
-    def composed(self, depth, room, may_skip):
+    def composed(self, depth, room):
         draws = [self.temporal, self.until, self.gated, self.junction, self.negation]
-        return self.random.choices(draws, [8, 3, 3, 4, 2])[0](depth - 1, room, may_skip)
+        return self.random.choices(draws, [8, 3, 3, 4, 2])[0](depth - 1, room)
 
-    def negation(self, depth, room, may_skip):
-        return negation(self.formula(depth, room, may_skip))
+    def negation(self, depth, room):
+        return negation(self.formula(depth, room))
 
-    def junction(self, depth, room, may_skip):
-        parts = [self.formula(depth, room, may_skip) for _ in range(self.random.choice([2, 2, 3]))]
+    def junction(self, depth, room):
+        parts = [self.formula(depth, room) for _ in range(self.random.choice([2, 2, 3]))]
         return junction(self.random.choice(["and", "or"]), parts)
 
-    def gated(self, depth, room, may_skip):
+    def gated(self, depth, room):
         is_final = self.random.random() < 0.1
-        gate = finally_(self.state(1)) if is_final else self.formula(max(depth - 1, 0), room, may_skip)
-        return gated(gate, self.formula(depth, room, may_skip))
+        gate = finally_(self.state(1)) if is_final else self.formula(max(depth - 1, 0), room)
+        return gated(gate, self.formula(depth, room))
 
-    def temporal(self, depth, room, may_skip):
+    def temporal(self, depth, room):
         if self.random.random() < 0.15 and room > 0:
             duration = self.length(room)
-            return hold_for(duration, self.formula(depth, room - duration, may_skip), self.ticks)
-        window, *inside = self.window(room, may_skip)
-        return self.random.choice([always, eventually])(window, self.formula(depth, *inside), self.ticks)
+            return hold_for(duration, self.formula(depth, room - duration), self.ticks)
+        window, inside = self.window(room)
+        return self.random.choice([always, eventually])(window, self.formula(depth, inside), self.ticks)
 
-    def until(self, depth, room, may_skip):
-        window, *inside = self.window(room, may_skip and not self.ends_early)
-        gate = self.event() if self.random.random() < 0.7 else self.formula(max(depth - 1, 0), *inside)
-        return until(window, self.formula(depth, *inside), gate, self.ticks)
+    def until(self, depth, room):
+        window, inside = self.window(room, may_skip=not self.ends_early)
+        gate = self.event() if self.random.random() < 0.7 else self.formula(max(depth - 1, 0), inside)
+        return until(window, self.formula(depth, inside), gate, self.ticks)
 
-    def window(self, room, may_skip):
-        """A window, the room that it leaves for its body, and whether the body may have windows `after`."""
+    def window(self, room, may_skip=True):
+        """A window, and the room that it leaves for its body; `may_skip` allows `after`."""
         kind = self.random.choice(["all", "within", "between", "after"])
         if room == 0 or kind == "all" or (kind == "after" and not may_skip):
-            return Window(), room, False
+            return Window(), room
         since, to = sorted((self.length(room), self.length(room)))
         if kind == "after":
-            return Window(since), room - since, False
-        return Window(since if kind == "between" else 0, to), room - to, may_skip
+            return Window(since), room - since
+        return Window(since if kind == "between" else 0, to), room - to
 
     def length(self, room):
         return self.random.randint(1, max(1, room // self.random.choice([1, 2, 4, 8])))

@@ -149,7 +149,7 @@ def test_ten_thousand_random_claims_have_the_verdicts_and_margins_of_rtamt(locks
     assert found == []
     assert len(results) == 10_000 and operators == OPERATORS
     holding, finite, zero = shares(results)
-    assert 0.3 < holding < 0.7 and finite > 0.7 and zero > 0.01
+    assert 0.3 < holding < 0.7 and finite > 0.6 and zero > 0.01
 
 
 def test_claims_of_runs_that_end_early_have_the_verdicts_and_margins_of_rtamt_or_are_unjudged(lockstep, folder):

@@ -62,7 +62,7 @@ impl Scope<'_, '_> {
     /// That no running value is asked for before its first time, by a condition that is asked for from a tick on.
     fn check_starts(&self, name: (&str, Span), condition: &Condition, (from, stop): (u64, u64)) {
         let start = match condition {
-            Condition::Plain(plain) => latest_start_of(plain),
+            Condition::Plain(plain, _) => latest_start_of(plain),
             Condition::Bound(bound) => latest_start(&bound.margin.value),
             Condition::Not(of) => return self.check_starts(name, of, (from, stop)),
             Condition::And(parts) | Condition::Or(parts) => {
@@ -100,10 +100,15 @@ impl Scope<'_, '_> {
         let (parts, gates) = into;
         let within = |head: Span| format!("{window} {}", self.text(head)).trim().to_owned();
         match condition {
-            Condition::Plain(_) | Condition::Bound(_) => {
+            Condition::Plain(..) | Condition::Bound(_) => {
                 let mut ports = BTreeSet::new();
                 self.of_formula(&condition.formula(false), &mut ports);
-                let text = if let Condition::Bound(bound) = condition { self.text(bound.span) } else { String::new() };
+                let span = match condition {
+                    Condition::Bound(bound) => Some(bound.span),
+                    Condition::Plain(_, span) => *span,
+                    _ => None,
+                };
+                let text = span.map_or_else(String::new, |span| self.text(span));
                 let signals = ports.into_iter().map(|port| self.port_name(port)).collect();
                 parts.push(ClaimPart { text, window: window.to_owned(), signals });
             }
@@ -170,7 +175,7 @@ impl Condition {
     /// All comparisons of reals outside gates, each with whether it is under an odd number of `not`.
     fn collect_bounds<'c>(&'c self, negated: bool, bounds: &mut Vec<(&'c Bound, bool)>) {
         match self {
-            Self::Plain(_) => {}
+            Self::Plain(..) => {}
             Self::Bound(bound) => bounds.push((bound, negated)),
             Self::Not(of) => of.collect_bounds(!negated, bounds),
             Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.collect_bounds(negated, bounds)),
@@ -184,8 +189,8 @@ impl Condition {
     fn formula(&self, negated: bool) -> Formula {
         let all = |parts: &[Self]| parts.iter().map(|part| part.formula(negated)).collect();
         match self {
-            Self::Plain(condition) if negated => Formula::Condition(denied(condition)),
-            Self::Plain(condition) => Formula::Condition(condition.clone()),
+            Self::Plain(condition, _) if negated => Formula::Condition(denied(condition)),
+            Self::Plain(condition, _) => Formula::Condition(condition.clone()),
             Self::Bound(Bound { margin, .. }) if negated => {
                 Formula::Margin(Margin { value: real::negate(margin.value.clone()), strict: !margin.strict })
             }

@@ -69,7 +69,8 @@ impl Scope<'_, '_> {
                 let error = Diagnostic::error("E29", tolerance.span, "`±` belongs to reals only");
                 return self.refuse(error.help("these are equal or they are not: leave `±` away"));
             }
-            return Some(Condition::Plain(if operator == Comparator::Equal { equal } else { not(equal) }));
+            let same = if operator == Comparator::Equal { equal } else { not(equal) };
+            return Some(Condition::Plain(same, Some(sides.span())));
         }
         let (l, r) = (self.operand(left, sides.left.span), self.operand(right, sides.right.span));
         let (l, r) = (l?, r?);
@@ -141,6 +142,11 @@ impl Scope<'_, '_> {
         }
         let meaning = self.evaluate(tolerance)?;
         let tolerance_value = self.operand(&meaning, tolerance.span)?;
+        if tolerance_value.constant().is_some_and(|tolerance| tolerance < 0.0) {
+            let message = format!("`{}` is below zero, so nothing is within it", self.text(tolerance.span));
+            return self
+                .refuse(Diagnostic::error("E38", tolerance.span, message).help("write the tolerance without `-`"));
+        }
         let beside = if left.port().is_some() { left } else { right };
         let tolerance_value = self.read_beside((&tolerance_value, tolerance.span), beside)?;
         let distance = match &sides.link.tolerance_time {
@@ -157,7 +163,12 @@ impl Scope<'_, '_> {
     fn distance_from_curve(&self, within: &Expression, (left, right): (&Real, &Real)) -> Option<RealExpression> {
         let within_s = self.seconds(within)?;
         let (of, curve) = match (si_curve(&right.expression), si_curve(&left.expression)) {
-            (Some(curve), _) => (left, curve),
+            (Some(_), Some(_)) => {
+                let message = "`within` after `±` is a tolerance of time beside one curve, and here are two";
+                let help = "compute the one that may be early or late in a unit, or leave `within` away";
+                return self.refuse(Diagnostic::error("E29", within.span, message).help(help));
+            }
+            (Some(curve), None) => (left, curve),
             (None, Some(curve)) => (right, curve),
             (None, None) => {
                 let message = "`within` after `±` is a tolerance of time beside a curve";

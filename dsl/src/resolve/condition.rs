@@ -9,8 +9,8 @@ use crate::syntax::TemporalWord;
 /// A condition or claim before negations are moved inward.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Condition {
-    /// Without a margin.
-    Plain(BooleanExpression),
+    /// Without a margin, and where it is written; a name is not shown as one part of a claim, its port is.
+    Plain(BooleanExpression, Option<Span>),
     /// A comparison of reals.
     Bound(Bound),
     /// `not a`
@@ -98,7 +98,7 @@ impl Condition {
     /// How many parts it has.
     pub fn size(&self) -> usize {
         1 + match self {
-            Self::Plain(condition) => boolean_size(condition),
+            Self::Plain(condition, _) => boolean_size(condition),
             Self::Bound(bound) => real_size(&bound.margin.value),
             Self::Not(of) => of.size(),
             Self::And(parts) | Self::Or(parts) => parts.iter().map(Self::size).sum(),
@@ -127,7 +127,7 @@ impl Condition {
     fn at_any_time(&self) -> Result<BooleanExpression, Span> {
         let all = |parts: &[Self]| parts.iter().map(Self::at_any_time).collect::<Result<Vec<_>, _>>();
         Ok(match self {
-            Self::Plain(condition) => condition.clone(),
+            Self::Plain(condition, _) => condition.clone(),
             Self::Bound(bound) => match bound.margin.value {
                 RealExpression::Constant(margin) => {
                     BooleanExpression::Constant(if bound.margin.strict { margin > 0.0 } else { margin >= 0.0 })

@@ -36,7 +36,7 @@ impl Scope<'_, '_> {
         match &expression.kind {
             Kind::Quantity { number, unit } => self.quantity(expression, *number, unit.as_ref()),
             Kind::Text(text) => Some(Meaning::Text(Text::Literal(text.clone()))),
-            Kind::Boolean(value) => Some(Meaning::plain(BooleanExpression::Constant(*value))),
+            Kind::Boolean(value) => Some(Meaning::plain(BooleanExpression::Constant(*value), Some(span))),
             Kind::Path(_) => unreachable!("the meaning of a path is looked up"),
             Kind::List { elements, copies, unit } => self.list(expression, elements, copies.as_deref(), unit.as_ref()),
             Kind::Call { function, arguments } => self.call(function, arguments, span),

@@ -7,6 +7,7 @@ use fmi2::units::BaseUnit;
 
 use super::assign::Role;
 use super::fit::Meeting;
+use super::fit::with_unit;
 use super::grid::Least;
 use super::meaning::{Meaning, Measure};
 use super::measure::quantity;
@@ -163,7 +164,7 @@ impl Scope<'_, '_> {
             let message = format!("`{kind}` of `{name}` is {takes}, found {}", self.described(&value));
             let unit = self.known(target.instance).unit_of(target.variable).unwrap_or_default();
             let help = match (value.measure == Measure::PLAIN, value.constant()) {
-                (true, Some(_)) => format!("write the unit: `{} {unit}`", self.text(span)),
+                (true, Some(_)) => with_unit(&self.text(span), unit),
                 _ => format!("it takes a value such as `1 {}`", super::measure::si_name(taken.dimension)),
             };
             return self.refuse(Diagnostic::error("E02", span, message).help(help));
@@ -211,9 +212,11 @@ impl Scope<'_, '_> {
         match number.filter(|number| number.fract() == 0.0 && number.abs() < 9e15) {
             Some(number) => Some(number as i64),
             None => {
-                let span = declared.map_or(Span::default(), |found| found.part.span());
+                let written = self.settings.get("seed").map(|setting| setting.value.span);
+                let declared = || declared.map_or(Span::default(), |found| found.part.span());
+                let span = written.unwrap_or_else(declared);
                 let error = Diagnostic::error("E38", span, format!("the seed of {of} is a whole number"));
-                self.refuse(error.help("write for example `param seed = 1`"))
+                self.refuse(error.help("write for example `seed = 1`"))
             }
         }
     }

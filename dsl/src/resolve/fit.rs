@@ -53,7 +53,7 @@ impl Scope<'_, '_> {
                 self.held_curve(value, target, at)?
             }
             (Kind::Integer { .. }, Meaning::Real(value)) => Drive::Integer(self.fit_integer(value, target, at)?),
-            (Kind::Boolean { .. }, Meaning::Condition(Condition::Plain(BooleanExpression::Signal(port)))) => {
+            (Kind::Boolean { .. }, Meaning::Condition(Condition::Plain(BooleanExpression::Signal(port), _))) => {
                 Drive::Copy(*port)
             }
             (Kind::Boolean { .. }, Meaning::Condition(condition)) => {
@@ -118,7 +118,7 @@ impl Scope<'_, '_> {
         let (source, sink) = (self.text(at.source), self.text(at.target));
         let unit = self.known(target.instance).unit_of(target.variable).unwrap_or_default();
         if value.measure == Measure::PLAIN && value.constant().is_some() {
-            return error.help(format!("write the unit: `{source} {unit}`"));
+            return error.help(with_unit(&source, unit));
         }
         if taken.dimension == Dimension::NONE {
             let own = value.unit.as_ref().map_or(si_name(given), |unit| unit.spelt.clone());
@@ -240,4 +240,10 @@ impl Scope<'_, '_> {
             _ => error.help("types have to be equal; only an Integer widens to a Real"),
         }
     }
+}
+
+/// The help for a plain number where one with a unit of measure is meant: units stand at literals only.
+pub(super) fn with_unit(number: &str, unit: &str) -> String {
+    let is_literal = number.parse::<f64>().is_ok();
+    format!("write the unit: `{number} {}{unit}`", if is_literal { "" } else { "* 1 " })
 }

@@ -248,7 +248,7 @@ impl Scope<'_, '_> {
         let condition = self.as_condition(&condition, span)?;
         let condition = self.momentary(&condition, span)?;
         let slot = self.condition_slot(scenario::Condition { is: condition, held_ticks: 0 });
-        Some(Meaning::plain(BooleanExpression::Rises(slot)))
+        Some(Meaning::plain(BooleanExpression::Rises(slot), Some(call.span)))
     }
 
     /// A condition that is judged at one point in time.

@@ -7,7 +7,7 @@ use fmi2::units::{BaseUnit, Dimension};
 use super::condition::{Condition, boolean_size};
 use super::scale::Scale;
 use crate::scenario::{BooleanExpression, MarginUnit, Near, Port, RealExpression};
-use crate::source::FileRef;
+use crate::source::{FileRef, Span};
 
 /// The meaning of an expression. A part without meaning was reported and is `None`.
 #[derive(Clone, Debug, PartialEq)]
@@ -181,8 +181,8 @@ pub(super) fn real_size(value: &RealExpression) -> usize {
 
 impl Meaning {
     /// A condition without a margin.
-    pub fn plain(condition: BooleanExpression) -> Self {
-        Self::Condition(Condition::Plain(condition))
+    pub fn plain(condition: BooleanExpression, span: Option<Span>) -> Self {
+        Self::Condition(Condition::Plain(condition, span))
     }
 
     /// Whether the value is known before the run.

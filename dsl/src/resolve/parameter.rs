@@ -73,8 +73,11 @@ impl<'a> Scope<'_, 'a> {
         let value = self.binding(parameter, self.assigned(parameter));
         if let Some(setting) = setting {
             let declared = self.evaluate(&parameter.value);
-            if let (Some(value), Some(declared)) = (&value, &declared) {
-                self.check_kind((&setting.name.text, setting.value.span), value, declared);
+            if let (Some(value), Some(declared)) = (&value, &declared)
+                && !self.check_kind((&setting.name.text, setting.value.span), value, declared)
+            {
+                self.forget(parameter);
+                return None;
             }
         }
         let (value, place) = (value?, self.assigned(parameter).part.span);
@@ -156,7 +159,7 @@ fn alike(value: &Meaning, declared: &Meaning) -> bool {
 fn typed_again(value: &Meaning) -> Option<String> {
     match value {
         Meaning::Real(value) => number(value),
-        Meaning::Condition(Condition::Plain(BooleanExpression::Constant(value))) => Some(value.to_string()),
+        Meaning::Condition(Condition::Plain(BooleanExpression::Constant(value), _)) => Some(value.to_string()),
         Meaning::Condition(condition) => match condition.boolean() {
             Ok(BooleanExpression::Constant(value)) => Some(value.to_string()),
             _ => None,

@@ -4,7 +4,6 @@ use std::rc::Rc;
 
 use fmi2::description::{Causality, Kind};
 
-use super::condition::Condition;
 use super::findings::Remedy;
 use super::meaning::{Group, Meaning, Text};
 use super::path::Root;
@@ -218,7 +217,7 @@ impl Scope<'_, '_> {
             Kind::Real(_) => Meaning::Real(self.real_port(port)),
             Kind::Integer { .. } => Meaning::Integer(port),
             Kind::Enumeration { .. } => Meaning::Item(port),
-            Kind::Boolean { .. } => Meaning::Condition(Condition::Plain(BooleanExpression::Signal(port))),
+            Kind::Boolean { .. } => Meaning::plain(BooleanExpression::Signal(port), None),
             Kind::String { .. } => Meaning::Text(Text::Port(port)),
         }
     }

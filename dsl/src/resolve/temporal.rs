@@ -139,7 +139,7 @@ impl Condition {
     /// The place of a `finally` that is in no gate.
     fn ungated_finally(&self) -> Option<Span> {
         match self {
-            Self::Plain(_) | Self::Bound(_) => None,
+            Self::Plain(..) | Self::Bound(_) => None,
             Self::Not(of) => of.ungated_finally(),
             Self::And(parts) | Self::Or(parts) => parts.iter().find_map(Self::ungated_finally),
             Self::Temporal(claim) if claim.word == TemporalWord::Finally => Some(claim.span),
@@ -152,7 +152,7 @@ impl Condition {
     /// The windows, from the outside in, that reach furthest ahead: their ticks and the keyword of each.
     pub fn reach(&self) -> Vec<(u64, &'static str)> {
         match self {
-            Self::Plain(_) | Self::Bound(_) => Vec::new(),
+            Self::Plain(..) | Self::Bound(_) => Vec::new(),
             Self::Not(of) => of.reach(),
             Self::And(parts) | Self::Or(parts) => furthest(parts.iter().map(Self::reach)),
             Self::Implies { gate, then, .. } => furthest([gate.reach(), then.reach()]),

@@ -61,6 +61,10 @@ pub(super) fn power(failure: &Failure<'_>) -> Option<Diagnostic> {
     let blanks = before.len() - bare.len();
     let span = failure.span_of(at, written);
     if is_unit && !digits.is_empty() {
+        if operand.ends_with(|c: char| c.is_numeric()) {
+            let error = Diagnostic::error("E00", span, format!("`{operand}` has a power already"));
+            return Some(error.help("a unit of measure has one power: `m/s^2`"));
+        }
         let error = Diagnostic::error("E00", span, "the power of a unit of measure stands right behind it");
         let unit = failure.span_of(at - blanks - operand.len(), operand.len() + blanks + written);
         return Some(write(error, unit, &format!("{operand}^{digits}")));

@@ -50,6 +50,8 @@ assert a: always quad.roll == quad.roll ± 1 deg within 20 ms
 assert b: always quad.state.position.x / 1 s == x + 1 m/s ± 1 m/s within 20 ms
 assert c: always quad.state.position.x / 1 s == x ± 1 m/s within 20
 assert d: always quad.state.position.x / 1 s == x ± 1 m/s within quad.roll
-assert e: always quad.state.position.x / 1 s < x ± 1 m/s within 20 ms";
+assert e: always quad.state.position.x / 1 s < x ± 1 m/s within 20 ms
+assert f: always x == curve(\"in.csv\", \"u\") ± 1 m/s within 20 ms
+assert g: always quad.state.position.x / 1 s == x ± -1 m/s";
     insta::assert_snapshot!(super::fixtures::headings(&flight(lines)));
 }

@@ -1,6 +1,6 @@
 //! `when`, `while`, `stop when` and faults: what they mean, and every error about them.
 
-use super::fixtures::{flight, headings, scenario, scenario_with, shown};
+use super::fixtures::{flight, headings, scenario, scenario_with, shown, shown_with};
 use crate::scenario::{Action, Event, FaultKind, RealExpression, Stage, StopWhen, Trigger};
 
 fn number(value: f64) -> RealExpression {
@@ -119,8 +119,10 @@ fn the_seed_of_faults_is_that_of_the_script() {
     assert_eq!(scenario(&wired("param seed = 3\nat 1 s { fault ctrl.state: freeze }")).seed, 0);
     insta::assert_snapshot!(headings(&wired("param seed = 0.5\nat 1 s { fault ctrl.state: noise 1 m }")), @r#"
     error[E38]: the seed of `noise` and `loss` is a whole number
-    = help: write for example `param seed = 1`
+    = help: write for example `seed = 1`
     "#);
+    let set = shown_with(&noisy, &["seed = 2.5"]);
+    assert!(set.starts_with("error[E38]: the seed of `noise` and `loss` is a whole number\n --> --set:1:8"), "{set}");
 }
 
 #[test]

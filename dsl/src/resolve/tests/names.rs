@@ -1,6 +1,6 @@
 //! Errors about names, declarations and statements.
 
-use super::fixtures::{flight, shown, shown_with};
+use super::fixtures::{flight, headings, shown, shown_with};
 
 #[test]
 fn a_misspelt_variable_names_the_nearest_one() {
@@ -125,7 +125,7 @@ fn a_unit_that_was_not_found_is_reported_once_without_errors_for_its_ports() {
 }
 
 #[test]
-fn a_script_without_its_first_lines_says_which_are_missing() {
+fn a_script_without_its_first_lines_says_which_are_missing_and_a_part_only_that_it_is_one() {
     insta::assert_snapshot!(shown("let a = 3\n"), @r#"
     error[E25]: this file has no `scenario` line
      --> test.scn:1:1
@@ -134,23 +134,9 @@ fn a_script_without_its_first_lines_says_which_are_missing() {
       | ^^^^^^^^^
       |
       = help: a script begins like `scenario "Quadcopter in wind"`; a file without that line is a part of others
-
-    error[E25]: this script does not say its `step`
-     --> test.scn:1:1
-      |
-    1 | let a = 3
-      | ^^^^^^^^^
-      |
-      = help: write for example `step 10 ms`
-
-    error[E25]: this script does not say when to stop
-     --> test.scn:1:1
-      |
-    1 | let a = 3
-      | ^^^^^^^^^
-      |
-      = help: write for example `stop 60 s`
     "#);
+    let all = headings("step 10 ms\nlet a = 3\n");
+    assert_eq!(all.matches("error[E25]").count(), 2, "{all}");
 }
 
 #[test]
@@ -177,6 +163,15 @@ fn repeated_statements_and_periods_are_refused() {
       |
       = help: write one `every`
     "#);
+}
+
+#[test]
+fn a_parameter_that_is_set_to_another_kind_is_one_error() {
+    let script = flight("param gust = 4 m/s\ngust -> quad.wind.x");
+    let found = shown_with(&script, &["gust = 6"]);
+    assert_eq!(found.matches("error[").count(), 1, "{found}");
+    let help = headings(&flight("param gust = 6\ngust -> quad.wind.x\n7 -> quad.wind.y"));
+    assert!(help.contains("write the unit: `gust * 1 m/s`") && help.contains("write the unit: `7 m/s`"), "{help}");
 }
 
 #[test]

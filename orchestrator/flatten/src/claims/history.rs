@@ -189,7 +189,7 @@ fn unbounded_until(
     let judgeable = body.len().saturating_sub(horizon);
     // Where it begins at once: no g came in what is left of the run.
     let mut at_once = vec![None; judgeable + 1];
-    at_once[judgeable] = complete.then(|| join.of_nothing(judgeable as u64));
+    at_once[judgeable] = complete.then(|| join.of_nothing(judgeable.saturating_sub(1) as u64));
     for tick in (0..judgeable).rev() {
         let rest = gated(join.opposite(), (body[tick], at_once[tick + 1]));
         at_once[tick] = gated(join, (rest, gate[tick]));

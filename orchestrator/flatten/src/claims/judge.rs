@@ -107,11 +107,11 @@ fn horizon(formula: &Formula) -> i64 {
         Formula::Margin(_) | Formula::Condition(_) | Formula::Finally(_) => 0,
         Formula::And(parts) | Formula::Or(parts) => parts.iter().map(horizon).max().unwrap_or(0),
         Formula::Always(window, body) | Formula::Eventually(window, body) => {
-            window.to.unwrap_or(0) as i64 + horizon(body)
+            window.to.unwrap_or(window.from) as i64 + horizon(body)
         }
         Formula::Gated(Gated { gate, body, .. }) => horizon(gate).max(horizon(body)),
         Formula::Until(Until { window, gate, body, .. }) => {
-            window.to.unwrap_or(0) as i64 + horizon(gate).max(horizon(body))
+            window.to.unwrap_or(window.from) as i64 + horizon(gate).max(horizon(body))
         }
     }
 }
@@ -154,7 +154,7 @@ fn a_hundred_thousand_random_claims_get_margins_by_definition_and_verdicts_as_ea
             Some(Known { margin, holds }) => {
                 assert_eq!(verdict == Verdict::Holds, holds, "{}", shown());
                 assert!(verdict.is_decided() && judged.margin.to_bits() == (margin + 0.0).to_bits(), "{}", shown());
-                assert!(judged.part < atoms_of(&formula), "{}", shown());
+                assert!(judged.part < atoms_of(&formula) && judged.worst_tick < length, "{}", shown());
             }
             None => assert_eq!(verdict, Verdict::Unjudged, "{}", shown()),
         }

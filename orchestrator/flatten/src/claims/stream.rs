@@ -7,16 +7,21 @@ use dsl::scenario::{Formula, Gated, TickWindow, Until};
 use std::ops::Range;
 
 /// How many ticks a formula looks ahead: 0 for a comparison; a bounded operator adds its upper bound, an unbounded one
-/// nothing.
+/// the beginning of its window, behind which its range is not empty.
 #[must_use]
 pub fn horizon(formula: &Formula) -> u64 {
     match formula {
         Formula::Margin(_) | Formula::Condition(_) | Formula::Finally(_) => 0,
         Formula::And(parts) | Formula::Or(parts) => parts.iter().map(horizon).max().unwrap_or(0),
-        Formula::Always(window, body) | Formula::Eventually(window, body) => window.to.unwrap_or(0) + horizon(body),
+        Formula::Always(window, body) | Formula::Eventually(window, body) => least_ahead(*window) + horizon(body),
         Formula::Gated(Gated { gate, body, .. }) => horizon(gate).max(horizon(body)),
-        Formula::Until(Until { window, gate, body, .. }) => window.to.unwrap_or(0) + horizon(gate).max(horizon(body)),
+        Formula::Until(Until { window, gate, body, .. }) => least_ahead(*window) + horizon(gate).max(horizon(body)),
     }
+}
+
+/// How far a window reaches ahead at least.
+fn least_ahead(window: TickWindow) -> u64 {
+    window.to.unwrap_or(window.from)
 }
 
 /// Whether no temporal operator in it reaches to the end of the run.

@@ -45,7 +45,9 @@ fn defined(formula: &Formula, at: u64, trace: &[[f64; 2]], completeness: Complet
 fn horizon(formula: &Formula) -> u64 {
     match formula {
         Formula::And(parts) | Formula::Or(parts) => parts.iter().fold(0, |most, part| most.max(horizon(part))),
-        Formula::Always(window, body) | Formula::Eventually(window, body) => horizon(body) + window.to.unwrap_or(0),
+        Formula::Always(window, body) | Formula::Eventually(window, body) => {
+            horizon(body) + window.to.unwrap_or(window.from)
+        }
         _ => 0,
     }
 }
@@ -264,6 +266,14 @@ fn standing_of(formula: &Formula, values: &[f64], completeness: Completeness) ->
     let trace: Vec<_> = values.iter().map(|&value| [value, 0.0]).collect();
     let standing = judge(formula, &trace, 100, completeness).0;
     (standing.verdict, standing.margin, standing.worst_tick)
+}
+
+#[test]
+fn a_window_that_begins_later_is_left_out_where_it_is_empty() {
+    let inner = |body| always(2, None, body);
+    let claim = always(0, None, inner(above_zero(0, true)));
+    assert_eq!(standing_of(&claim, &[-3.0, -1.0, 2.0, 1.0], Completeness::Complete), (Verdict::Holds, 1.0, 3));
+    assert_eq!(standing_of(&claim, &[3.0, 1.0, 2.0, -1.0], Completeness::Complete), (Verdict::Fails, -1.0, 3));
 }
 
 #[test]
