@@ -60,14 +60,17 @@ pub(super) fn power(failure: &Failure<'_>) -> Option<Diagnostic> {
     let is_unit = operand.starts_with(char::is_alphabetic) && ahead.ends_with(|c: char| c.is_ascii_digit() || c == ']');
     let blanks = before.len() - bare.len();
     let span = failure.span_of(at, written);
-    if is_unit && !digits.is_empty() {
-        if operand.ends_with(|c: char| c.is_numeric()) {
-            let error = Diagnostic::error("E00", span, format!("`{operand}` has a power already"));
-            return Some(error.help("a unit of measure has one power: `m/s^2`"));
-        }
+    let begin = at - blanks - operand.len();
+    let meant = format!("{operand}^{digits}");
+    // What is written so already is wrong for another reason.
+    let is_loose = !digits.is_empty() && failure.blanked[begin..at + written] != meant;
+    if is_unit && is_loose && operand.ends_with(char::is_alphabetic) {
         let error = Diagnostic::error("E00", span, "the power of a unit of measure stands right behind it");
-        let unit = failure.span_of(at - blanks - operand.len(), operand.len() + blanks + written);
-        return Some(write(error, unit, &format!("{operand}^{digits}")));
+        return Some(write(error, failure.span_of(begin, operand.len() + blanks + written), &meant));
+    }
+    if is_unit && operand.ends_with(char::is_numeric) {
+        let error = Diagnostic::error("E00", span, format!("`{operand}` has a power already"));
+        return Some(error.help("a unit of measure has one power: `m/s^2`"));
     }
     let error = Diagnostic::error("E00", span, "values have no powers, only units of measure do");
     let is_path = operand.starts_with(|c: char| c == '_' || c.is_ascii_alphabetic())
@@ -75,7 +78,7 @@ pub(super) fn power(failure: &Failure<'_>) -> Option<Diagnostic> {
     if is_path && matches!(digits, "2" | "3") {
         let factors = if digits == "2" { 2 } else { 3 };
         let product = vec![operand; factors].join(" * ");
-        let joined = failure.span_of(at - blanks - operand.len(), operand.len() + blanks + written);
+        let joined = failure.span_of(begin, operand.len() + blanks + written);
         return Some(write(error, joined, &product));
     }
     Some(error.help("a power of a value is a product, `x * x`; that of a unit has no blanks, `m/s^2`"))

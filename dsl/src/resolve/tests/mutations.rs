@@ -151,12 +151,13 @@ fn changed_scripts_are_answered_at_once_and_every_error_has_a_place() {
     let scripts: Vec<_> = corpus().iter().map(|text| tokens(text)).collect();
     let words: Vec<_> = scripts.iter().flatten().cloned().collect();
     assert!(scripts.len() > 15, "the corpus is there");
-    for seed in 0..count {
-        let mut random = Random(seed);
+    let is_answered = |seed: &u64| {
+        let mut random = Random(*seed);
         let script = mutated(&scripts[random.below(scripts.len())], &words, &mut random);
-        let answered = std::panic::catch_unwind(|| check(&script));
-        assert!(answered.is_ok(), "mutation {seed}:\n{script}");
-    }
+        std::panic::catch_unwind(|| check(&script)).is_ok()
+    };
+    let wrong: Vec<u64> = (0..count).filter(|seed| !is_answered(seed)).take(10).collect();
+    assert!(wrong.is_empty(), "the first mutations that are answered wrongly: {wrong:?}");
 }
 
 #[test]
