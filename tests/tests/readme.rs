@@ -1,9 +1,10 @@
 //! The README is correct: its first steps work outside the repository, its script is one of `scenarios/`, and its
-//! commands exist.
+//! commands exist. The page about the language is correct: its scripts run and print what stands below them, and its
+//! fragments have no mistakes.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tests::program::{Said, lockstep, repository, run};
 
@@ -99,5 +100,92 @@ fn every_command_is_in_the_table_and_every_command_of_the_table_exists() {
             let is_listed = [" ", "\n", "["].iter().any(|after| help.contains(&format!("{option}{after}")));
             assert!(is_listed, "{command} {option}");
         }
+    }
+}
+
+/// A fenced block of the page about the language.
+struct Fenced {
+    language: String,
+    text: String,
+    /// The text between it and the block before it.
+    above: String,
+}
+
+impl Fenced {
+    /// The name of the file that the block shows, if the line above ends with it.
+    fn file(&self) -> Option<&str> {
+        self.above.trim_end().strip_suffix("`:")?.rsplit('`').next().filter(|name| name.contains('.'))
+    }
+}
+
+fn blocks_about_the_language() -> Vec<Fenced> {
+    let page = fs::read_to_string(repository().join("docs/language.md")).unwrap();
+    let parts: Vec<_> = page.split("```").collect();
+    let block = |pair: &[&str]| {
+        let (language, text) = pair[1].split_once('\n').unwrap();
+        Fenced { language: language.to_owned(), text: text.to_owned(), above: pair[0].to_owned() }
+    };
+    parts.chunks_exact(2).map(block).collect()
+}
+
+/// Writes the files that the page shows, and a script beside them.
+fn beside_the_files(blocks: &[Fenced], folder: &Path, script: &str) -> String {
+    for block in blocks {
+        if let Some(name) = block.file() {
+            fs::write(folder.join(name), &block.text).unwrap();
+        }
+    }
+    let path = folder.join("x.scn");
+    fs::write(&path, script).unwrap();
+    path.display().to_string()
+}
+
+#[test]
+fn each_script_about_the_language_has_no_mistake_and_prints_the_verdicts_below_it() {
+    let blocks = blocks_about_the_language();
+    let folder = tempfile::tempdir().unwrap();
+    let [in_folder, out] = ["", "out"].map(|name| folder.path().join(name).display().to_string());
+    let mut verdicts = 0;
+    for (at, block) in blocks.iter().enumerate().filter(|(_, block)| block.language == "scn") {
+        let script = beside_the_files(&blocks, folder.path(), &block.text);
+        let checked = run(&repository(), &["check", &script]);
+        assert_eq!(checked.code, Some(0), "{}\n{}", block.text, checked.err);
+        let said = run(&repository(), &["run", &script, "--out", &out]);
+        let below = blocks.get(at + 1).filter(|below| below.language == "text" && below.file().is_none());
+        let below = below.map_or("", |below| below.text.as_str());
+        assert_eq!(said.code, Some(u8::from(below.contains("FAILED")).into()), "{}\n{}", block.text, said.err);
+        let printed = said.out.replace(&in_folder, "");
+        let missing = below.lines().find(|line| !printed.lines().any(|printed| printed == *line));
+        assert_eq!(missing, None, "{printed}");
+        verdicts += below.lines().count();
+    }
+    assert!(verdicts > 7, "{verdicts} lines of verdicts were compared");
+}
+
+#[test]
+fn each_fragment_about_the_language_has_no_mistake_below_the_lines_that_the_page_names() {
+    let blocks = blocks_about_the_language();
+    let folder = tempfile::tempdir().unwrap();
+    let lines = blocks.iter().find(|block| block.text.starts_with("scenario \"Fragments\"")).unwrap();
+    let fragments: Vec<_> = blocks.iter().filter(|block| block.language == "scn-fragment").collect();
+    assert!(fragments.len() > 7, "{} fragments", fragments.len());
+    for fragment in fragments {
+        let script = beside_the_files(&blocks, folder.path(), &format!("{}{}", lines.text, fragment.text));
+        let checked = run(&repository(), &["check", &script]);
+        assert_eq!(checked.code, Some(0), "{}\n{}", fragment.text, checked.err);
+    }
+}
+
+#[test]
+fn each_link_of_the_page_about_the_language_leads_somewhere() {
+    let page = fs::read_to_string(repository().join("docs/language.md")).unwrap();
+    let headings = page.lines().filter_map(|line| line.strip_prefix("## "));
+    let anchors: Vec<_> = headings.map(|heading| heading.to_lowercase().replace(' ', "-")).collect();
+    for link in page.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+        let leads_somewhere = match link.strip_prefix('#') {
+            Some(anchor) => anchors.iter().any(|known| known == anchor),
+            None => repository().join("docs").join(link).is_file(),
+        };
+        assert!(leads_somewhere, "{link}");
     }
 }
