@@ -106,9 +106,6 @@ mod unused;
 mod wave;
 mod wire;
 
-#[cfg(test)]
-mod tests;
-
 use scope::{Scope, Shared};
 
 /// What there is to resolve.

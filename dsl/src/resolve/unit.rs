@@ -142,18 +142,22 @@ impl Unit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::resolve::tests::description;
+    use fmi2::description::read::read;
 
     fn unit() -> Unit {
-        let lines = "
-            output continuous Real b.y m
-            output continuous Real b_y m
-            output continuous Real b[2] m
-            output continuous Real b.x m
-            output continuous Real b m
-            output continuous Real b.x kg
-            output continuous Real bc m";
-        Unit::new(Arc::new(description("names", lines)))
+        let names = [("b.y", "m"), ("b_y", "m"), ("b[2]", "m"), ("b.x", "m"), ("b", "m"), ("b.x", "kg"), ("bc", "m")];
+        let variable = |(index, (name, unit)): (usize, &(&str, &str))| {
+            format!(
+                "<ScalarVariable name='{name}' valueReference='{index}' causality='output'><Real unit='{unit}'/></ScalarVariable>"
+            )
+        };
+        let variables: String = names.iter().enumerate().map(variable).collect();
+        let text = format!(
+            "<fmiModelDescription fmiVersion='2.0' modelName='names' guid='g'><CoSimulation modelIdentifier='names'/>\
+             <ModelVariables>{variables}</ModelVariables><ModelStructure/></fmiModelDescription>"
+        );
+        let (description, _) = read(text.as_bytes()).expect("a description");
+        Unit::new(Arc::new(description))
     }
 
     #[test]
