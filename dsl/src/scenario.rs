@@ -10,6 +10,7 @@ mod duration;
 mod event;
 mod reads;
 mod running;
+mod sweep;
 
 use crate::source::FileRef;
 pub use claim::{Claim, ClaimPart, Formula, Gated, Limit, MarginUnit, TickWindow, Until};
@@ -20,6 +21,7 @@ pub use reads::Slots;
 pub use running::{Running, RunningKind, RunningMemory};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+pub use sweep::{Case, Parameter, Sweep};
 
 /// A script, ready to run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,35 +60,6 @@ pub struct Scenario {
     pub claims: Vec<Claim>,
     /// What is recorded, in column order.
     pub columns: Vec<Column>,
-}
-
-/// A parameter of the script with its value in this run.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Parameter {
-    /// The name.
-    pub name: String,
-    /// The value as it can be typed after `--set name = `.
-    pub value: String,
-    /// Whether the command line set it.
-    pub set: bool,
-}
-
-/// The cases of a script, and the one that this is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Sweep {
-    /// How many cases there are.
-    pub cases: u64,
-    /// The case that gave the swept parameters their values; `None` if they have their own.
-    pub case: Option<Case>,
-}
-
-/// A case of a sweep.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Case {
-    /// Its number, from 0.
-    pub number: u64,
-    /// The seed of the draws that the command line set for a sweep of `seed`.
-    pub draw_seed: Option<i64>,
 }
 
 /// A unit as messages call it.

@@ -9,6 +9,7 @@ use super::meaning::{Meaning, Measure, Origin, Real, Text};
 use super::measure::si_name;
 use super::real;
 use super::running::{count_equals, is_count};
+use super::scale::Scale;
 use super::scope::Scope;
 use crate::diagnostic::Diagnostic;
 use crate::scenario::{
@@ -136,12 +137,12 @@ impl Scope<'_, '_> {
             let error = Diagnostic::error("E29", sides.link.operator_span, "`±` stands in one `==` only");
             return self.refuse(error.help("write `not (x == c ± d)`"));
         }
-        if self.is_offset_literal(tolerance) {
+        let meaning = self.evaluate(tolerance)?;
+        let tolerance_value = self.operand(&meaning, tolerance.span)?;
+        if tolerance_value.scale == (Scale::Point { offset: true }) {
             self.refuse_offset(tolerance, "a tolerance");
             return None;
         }
-        let meaning = self.evaluate(tolerance)?;
-        let tolerance_value = self.operand(&meaning, tolerance.span)?;
         if tolerance_value.constant().is_some_and(|tolerance| tolerance < 0.0) {
             let message = format!("`{}` is below zero, so nothing is within it", self.text(tolerance.span));
             return self

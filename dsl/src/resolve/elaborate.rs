@@ -49,7 +49,7 @@ struct Declares<'a> {
 /// them goes to `findings`.
 pub(super) fn elaborate<'a>(request: &Request<'a>, findings: &mut Findings) -> (Script<'a>, BTreeSet<Span>) {
     let mut elaboration = Elaboration::of(request, CaseValues::new());
-    let shape_is_swept = elaboration.used_axis().is_some();
+    let shape_is_swept = elaboration.shape_is_swept();
     let case = elaboration.sweep();
     match case {
         // Loops have other rounds than with the parameters' own values.

@@ -223,8 +223,12 @@ impl Scope<'_, '_> {
 
     /// Notes that something uses `seed`: a declared one at its place, else at that of its axis.
     pub fn note_use_of_seed(&self) {
+        self.shared.used.borrow_mut().extend(self.place_of_seed());
+    }
+
+    /// The place under which uses of `seed` are noted; `None` if it is neither declared nor swept.
+    pub fn place_of_seed(&self) -> Option<Span> {
         let swept = || self.script.axes().iter().find(|axis| axis.name.text == "seed").map(|axis| axis.name.span);
-        let place = self.look_up("seed").map(|found| found.part.span()).or_else(swept);
-        self.shared.used.borrow_mut().extend(place);
+        self.look_up("seed").map(|found| found.part.span()).or_else(swept)
     }
 }

@@ -68,9 +68,16 @@ pub(super) fn counting(
         let number = if is_bare { si } else { base.from_si(si) };
         let whole = number.round();
         if (number - whole).abs() > 1e-9 * number.abs().max(1.0) || whole.abs() > 1e9 {
-            let message = format!("a range counts whole numbers, and `{}` is none", scope.text(end.span));
-            return scope
-                .refuse(Diagnostic::error("E38", end.span, message).help("write whole ends, or a list of values"));
+            let written = scope.text(end.span);
+            let (message, help) = if whole.abs() > 1e9 {
+                (format!("`{written}` is too far for the end of a range"), "a range goes up to 1000000000")
+            } else {
+                (
+                    format!("a range counts whole numbers, and `{written}` is none"),
+                    "write whole ends, or a list of values",
+                )
+            };
+            return scope.refuse(Diagnostic::error("E38", end.span, message).help(help));
         }
         ends.push(whole);
     }

@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use super::meaning::{Meaning, Real};
 use super::range::{Counting, counting, no_values};
+use super::scale::Scale;
 use super::scope::Scope;
 use super::script::Declaration;
 use crate::diagnostic::{Diagnostic, Edit};
@@ -28,10 +29,10 @@ pub(super) enum Values {
 
 /// What the values of a case are drawn from.
 pub(super) enum Distribution {
-    /// Mean and standard deviation.
-    Normal(Real, f64),
-    /// The lowest value, and how much higher values are at most.
-    Uniform(Real, f64),
+    /// Mean and standard deviation; what is drawn has the measure of the value.
+    Normal(Real, [f64; 2]),
+    /// The lowest and the highest value.
+    Uniform(Real, [f64; 2]),
     /// One of these, each as often.
     Choice(Vec<Rc<Meaning>>),
 }
@@ -69,16 +70,16 @@ impl Values {
 
 impl Distribution {
     fn drawn(&self, case: u64, draws: Draws) -> Rc<Meaning> {
-        let (from, by) = match self {
-            Self::Normal(mean, deviation) => (mean, deviation * draws.normal(0, case)),
-            Self::Uniform(low, width) => (low, width * draws.uniform(0, case)),
+        let (of, number) = match self {
+            Self::Normal(of, [mean, deviation]) => (of, mean + deviation * draws.normal(0, case)),
+            Self::Uniform(of, [low, high]) => (of, (low + (high - low) * draws.uniform(0, case)).min(*high)),
             Self::Choice(values) => {
                 let place = draws.uniform(0, case) * values.len() as f64;
                 return Rc::clone(&values[(place as usize).min(values.len() - 1)]);
             }
         };
-        let value = RealExpression::Constant(from.constant().unwrap_or_default() + by);
-        Rc::new(Meaning::Real(Real::computed(value, from.measure, from.unit.clone()).on(from.scale)))
+        let value = RealExpression::Constant(number);
+        Rc::new(Meaning::Real(Real::computed(value, of.measure, of.unit.clone()).on(of.scale)))
     }
 }
 
@@ -105,7 +106,11 @@ impl Scope<'_, '_> {
         };
         if values.count() == Some(0) {
             let error = Diagnostic::error("E38", written.span, format!("`{}` has no value", axis.name.text));
-            return self.refuse(error.help("a range goes from the smaller number to the larger: `1..25`"));
+            let help = match values {
+                Values::Counted(_) => "a range goes from the smaller number to the larger: `1..25`",
+                _ => "write its values in the list: `[2, 4, 8] m`",
+            };
+            return self.refuse(error.help(help));
         }
         Some(values)
     }
@@ -160,26 +165,28 @@ impl Scope<'_, '_> {
             return self.refuse(Diagnostic::error("E31", span, message).help(DRAWS_LOOK));
         };
         let is_normal = function.text == "normal";
-        if is_normal && self.is_offset_literal(second) {
+        let (from, to) = (self.number_of_draw(first), self.number_of_draw(second));
+        let ((from, from_si), (to, to_si)) = (from?, to?);
+        if is_normal && to.scale == (Scale::Point { offset: true }) {
             self.refuse_offset(second, "a standard deviation");
             return None;
         }
-        let (from, to) = (self.number_of_draw(first), self.number_of_draw(second));
-        let ((from, from_si), (to, to_si)) = (from?, to?);
         if from.measure != to.measure {
             let message = format!("`{}` of {} and {}", function.text, self.described(&from), self.described(&to));
             return self.refuse(Diagnostic::error("E02", span, message).help("give both one unit of measure"));
         }
-        let spread = if is_normal { to_si } else { to_si - from_si };
-        if spread < 0.0 {
+        if (is_normal && to_si < 0.0) || (!is_normal && to_si < from_si) {
             let (message, help) = match is_normal {
                 true => ("a standard deviation is not below zero", "write zero or more"),
                 false => ("the second value is below the first", "write the smaller value first"),
             };
             return self.refuse(Diagnostic::error("E38", second.span, message).help(help));
         }
-        self.finite(Real::plain(spread), span)?;
-        Some(if is_normal { Distribution::Normal(from, spread) } else { Distribution::Uniform(from, spread) })
+        // Ten standard deviations are never drawn.
+        let widest = if is_normal { from_si.abs() + 10.0 * to_si } else { to_si - from_si };
+        self.finite(Real::plain(widest), span)?;
+        let ends = [from_si, to_si];
+        Some(if is_normal { Distribution::Normal(from, ends) } else { Distribution::Uniform(from, ends) })
     }
 
     /// A number that is known before the run.

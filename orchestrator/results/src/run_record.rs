@@ -55,7 +55,7 @@ pub struct Parameter {
 pub struct Case {
     /// Its number, from 0.
     pub number: u64,
-    /// The seed of the draws that the command line set for a sweep of `seed`.
+    /// The seed that `--set seed = …` gave to the draws, where `seed` is an axis itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub draw_seed: Option<i64>,
 }

@@ -213,7 +213,8 @@ impl JudgedClaim {
     /// The claim with its standing, in its own unit.
     #[must_use]
     pub fn new(claim: &ClaimInfo, standing: &Standing, step_ns: u64) -> Self {
-        let judged = standing.verdict.is_decided();
+        // A verdict that is known before its margin has no time either.
+        let judged = standing.verdict.is_decided() && !standing.margin.is_nan();
         let part = usize::try_from(standing.part).unwrap_or(usize::MAX);
         let factor = claim.unit.as_ref().map_or(1.0, |unit| unit.factor);
         // Adding zero removes the sign of a negative zero; the verdict shows whether zero is enough.
@@ -235,7 +236,9 @@ impl JudgedClaim {
             line: claim.line,
             limit,
             seen,
-            because: (standing.verdict == Verdict::Fails).then(|| because(claim, standing, step_ns)).flatten(),
+            because: (judged && standing.verdict == Verdict::Fails)
+                .then(|| because(claim, standing, step_ns))
+                .flatten(),
             untested: claim.gates.get(part).filter(|_| standing.verdict == Verdict::Untested).cloned(),
         }
     }

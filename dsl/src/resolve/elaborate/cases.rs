@@ -48,14 +48,21 @@ impl<'a> Elaboration<'a> {
             return None;
         }
         self.script.cases = Some(Sweep { cases, case: None });
+        let draws = axes.iter().any(|(_, values)| values.count().is_none());
+        if draws && !axes.iter().any(|(axis, _)| axis.name.text == "seed") {
+            let used = self.with_scope(FrameId::SCRIPT, |scope| scope.place_of_seed());
+            self.used.extend(used);
+        }
         let case = case?;
         if case.number >= cases {
             let message = format!("the sweep of this script has {cases} cases, from 0 to {}", cases - 1);
             self.found.push(Diagnostic::error("E38", case.place, message).help("choose one of them"));
             return None;
         }
-        let draws = axes.iter().any(|(_, values)| values.count().is_none());
         self.refuse_set_axes(&axes, draws);
+        if self.found.len() > errors {
+            return None;
+        }
         let seed = if draws { self.with_scope(FrameId::SCRIPT, |scope| scope.whole_seed("draws"))? } else { 0 };
         let sets_seed = || self.request.settings.iter().any(|setting| setting.name.text == "seed");
         let sweeps_seed = || axes.iter().any(|(axis, _)| axis.name.text == "seed");
@@ -66,6 +73,7 @@ impl<'a> Elaboration<'a> {
 
     /// The axes whose values are known.
     fn axes(&mut self) -> Vec<(&'a Axis, Values)> {
+        let places = self.places_of_axes();
         let mut first_of = BTreeMap::new();
         let mut known = Vec::new();
         for axis in self.script.axes() {
@@ -76,10 +84,16 @@ impl<'a> Elaboration<'a> {
             }
             let others = std::mem::take(&mut self.used);
             let values = self.with_scope(FrameId::SCRIPT, |scope| scope.axis_values(axis));
-            let swept = self.used_axis();
-            self.used.extend(others);
+            let used = std::mem::replace(&mut self.used, others);
+            let swept = used.iter().find_map(|place| places.get(place).copied());
+            self.used.extend(used);
             if let Some(swept) = swept {
-                let message = format!("the values of `{}` depend on `{swept}`, which is swept", axis.name.text);
+                let name = axis.name.text.as_str();
+                let message = if swept == name {
+                    format!("the values of `{name}` depend on `{name}` itself")
+                } else {
+                    format!("the values of `{name}` depend on `{swept}`, which is swept")
+                };
                 let error = Diagnostic::error("E27", axis.values.span, message);
                 self.found.push(error.help("write numbers, or names of what is the same in all cases"));
                 continue;
@@ -93,16 +107,19 @@ impl<'a> Elaboration<'a> {
         known
     }
 
-    /// The first swept parameter among the names that are used.
-    pub(super) fn used_axis(&self) -> Option<&'a str> {
-        let is_used = |axis: &&Axis| self.used.contains(&self.place_of_parameter(axis));
-        self.script.axes().iter().find(is_used).map(|axis| axis.name.text.as_str())
+    /// Whether rounds of loops, indices or names depend on a swept parameter.
+    pub(super) fn shape_is_swept(&self) -> bool {
+        let places = self.places_of_axes();
+        self.used.iter().any(|place| places.contains_key(place))
     }
 
-    /// The place by which uses of a swept parameter are noted.
-    fn place_of_parameter(&self, axis: &Axis) -> Span {
-        let declared = self.script.frames.look_up(FrameId::SCRIPT, &axis.name.text);
-        declared.map_or(axis.name.span, |found| found.part.span())
+    /// The swept parameters, by the places under which their uses are noted.
+    fn places_of_axes(&self) -> BTreeMap<Span, &'a str> {
+        let place = |axis: &'a Axis| {
+            let declared = self.script.frames.look_up(FrameId::SCRIPT, &axis.name.text);
+            (declared.map_or(axis.name.span, |found| found.part.span()), axis.name.text.as_str())
+        };
+        self.script.axes().iter().map(place).collect()
     }
 
     /// Refuses a setting of the command line for a parameter that the case gives a value. That of `seed` is the seed of

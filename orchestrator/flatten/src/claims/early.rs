@@ -39,8 +39,8 @@ enum Kind {
     Atom(Atom),
     /// `and`, `or`, `implies`, of so many parts.
     Junction(Join, u64),
-    /// `always`, `eventually`
-    Window(Join, TickWindow),
+    /// `always`, `eventually`, with the node of its body.
+    Window(Join, TickWindow, usize),
     /// `φ until g` from now on, with the nodes of φ and g: g, or φ and the same at the next tick.
     Step(Join, usize, usize),
     /// What a part is so many ticks later.
@@ -94,7 +94,7 @@ impl Early {
             Formula::Always(window, body) | Formula::Eventually(window, body) => {
                 let late = if window.to.is_some() { 0 } else { horizon(body) };
                 let body = self.add(body, reach_of_body(reach, *window), layout, slot_of);
-                self.node(Kind::Window(join, *window), (reach, late), &[body])
+                self.node(Kind::Window(join, *window, body), (reach, late), &[body])
             }
             Formula::Until(Until { window, gate, body, .. }) => {
                 let late = if window.to.is_some() { 0 } else { horizon(gate).max(horizon(body)) };
@@ -119,10 +119,10 @@ impl Early {
         if window.from > 0 {
             all[0] = self.node(Kind::Shift(window.from), (reach, 0), &[all[0]]);
             let before = TickWindow { from: 0, to: Some(window.from - 1) };
-            all.push(self.node(Kind::Window(join.opposite(), before), (reach, late), &[body]));
+            all.push(self.node(Kind::Window(join.opposite(), before, body), (reach, late), &[body]));
         }
         if window.to.is_some() {
-            all.push(self.node(Kind::Window(join, window), (reach, late), &[gate]));
+            all.push(self.node(Kind::Window(join, window, gate), (reach, late), &[gate]));
         }
         self.junction(join.opposite(), reach, &all)
     }
@@ -138,10 +138,10 @@ impl Early {
         node
     }
 
-    /// Takes the sample of a tick; returns whether the claim holds, if that is known.
-    pub(super) fn take(&self, memory: &mut EarlyMemory, tick: u64, sample: &mut Sample<'_>) -> Option<bool> {
-        if let Some(holds) = self.holds(memory) {
-            return Some(holds);
+    /// Takes the sample of a tick; returns whether the verdict became known.
+    pub(super) fn take(&self, memory: &mut EarlyMemory, tick: u64, sample: &mut Sample<'_>) -> bool {
+        if memory.holds.is_some() {
+            return false;
         }
         for (index, node) in self.nodes.iter().enumerate() {
             if let Kind::Atom(atom) = &node.kind
@@ -153,7 +153,11 @@ impl Early {
         }
         self.pass_on(memory, tick);
         self.release(memory, tick);
-        self.holds(memory)
+        memory.holds = self.value(memory, self.nodes.len() - 1, 0);
+        if memory.holds.is_some() {
+            memory.nodes.iter_mut().for_each(|node| *node = NodeMemory::default());
+        }
+        memory.holds.is_some()
     }
 
     /// Passes on what becomes known, from the values of a part to those of its users.
@@ -200,10 +204,10 @@ impl Early {
                 }
             }
             Kind::Step(join, body, gate) => self.step(memory, user, (join, body, gate), (tick, now)),
-            Kind::Window(join, window) if holds == join.decider() => {
+            Kind::Window(join, window, _) if holds == join.decider() => {
                 self.decide_window(memory, user, window, (tick, holds))
             }
-            Kind::Window(_, window) => self.complete_window(memory, user, window, (node, tick, holds)),
+            Kind::Window(_, window, _) => self.complete_window(memory, user, window, (node, tick, holds)),
         }
     }
 
@@ -212,20 +216,17 @@ impl Early {
         let Some(last) = tick.checked_sub(window.from) else { return };
         let first = window.to.map_or(0, |to| tick.saturating_sub(to)).max(self.nodes[user].reach.from);
         let last = self.nodes[user].reach.to.map_or(last, |to| last.min(to));
+        let begin = self.nodes[user].reach.from;
         let mut at = last;
         while at >= first {
+            #[cfg(test)]
+            STEPS.set(STEPS.get() + 1);
+            let Some(index) = self.index(user, at) else { return };
             // What is known here was decided by another value of the body, together with what is below.
-            let below = match self.index(user, at).and_then(|index| memory.nodes[user].decided_from(index)) {
-                Some(index) => self.nodes[user].reach.from + index,
-                None => {
-                    self.learn(memory, (user, at), holds);
-                    if let Some(index) = self.index(user, at) {
-                        memory.nodes[user].note_decided(index, first - self.nodes[user].reach.from);
-                    }
-                    at
-                }
-            };
-            match below.min(at).checked_sub(1) {
+            let below = memory.nodes[user].decided_from(index).map_or(at, |index| begin.saturating_add(index).min(at));
+            self.learn(memory, (user, at), holds);
+            memory.nodes[user].note_decided(index, first - begin);
+            match below.checked_sub(1) {
                 Some(next) => at = next,
                 None => return,
             }
@@ -249,7 +250,7 @@ impl Early {
             return;
         };
         let lowest = first.saturating_sub(window.from).max(tick.saturating_sub(to));
-        for at in lowest..=highest {
+        for at in (lowest..=highest).rev() {
             self.learn(memory, (user, at), holds);
         }
     }
@@ -292,23 +293,28 @@ impl Early {
         node.counts_at(tick).then(|| tick - node.reach.from)
     }
 
-    /// Whether the claim holds, if that is known.
-    pub(super) fn holds(&self, memory: &EarlyMemory) -> Option<bool> {
-        self.value(memory, self.nodes.len() - 1, 0)
-    }
-
     /// The memory before the first sample.
     pub(super) fn memory(&self) -> EarlyMemory {
         let nodes = self.nodes.iter().map(|_| NodeMemory::default()).collect();
-        EarlyMemory { nodes, updates: Vec::new() }
+        EarlyMemory { holds: None, nodes, updates: Vec::new() }
     }
 
     /// Allocates what a run up to this tick needs.
     pub(super) fn reserve(&self, memory: &mut EarlyMemory, stop_tick: u64, most: usize) {
-        for (node, memory) in self.nodes.iter().zip(&mut memory.nodes) {
+        if memory.holds.is_some() {
+            return;
+        }
+        let ticks = |node: &Node| {
             let last = node.reach.to.map_or(stop_tick, |to| to.min(stop_tick));
             let ticks = last.saturating_add(1).saturating_sub(node.reach.from);
-            memory.reserve(&node.kind, usize::try_from(ticks).unwrap_or(usize::MAX).min(most));
+            usize::try_from(ticks).unwrap_or(usize::MAX).min(most)
+        };
+        for (node, memory) in self.nodes.iter().zip(&mut memory.nodes) {
+            match node.kind {
+                Kind::Junction(..) => memory.reserve(ticks(node), ticks(node), 0),
+                Kind::Window(_, _, body) => memory.reserve(ticks(node), ticks(node), ticks(&self.nodes[body])),
+                _ => memory.reserve(ticks(node), 0, 0),
+            }
         }
     }
 
@@ -324,6 +330,20 @@ impl Node {
     fn counts_at(&self, tick: u64) -> bool {
         self.reach.from <= tick && self.reach.to.is_none_or(|to| tick <= to)
     }
+}
+
+#[cfg(test)]
+thread_local! {
+    /// How many ticks windows have looked at.
+    static STEPS: std::cell::Cell<u64> = const { std::cell::Cell::new(0) };
+}
+
+#[cfg(test)]
+/// The number of ticks that windows look at while some work is done.
+pub(super) fn steps_of(work: impl FnOnce()) -> u64 {
+    STEPS.set(0);
+    work();
+    STEPS.get()
 }
 
 impl Join {

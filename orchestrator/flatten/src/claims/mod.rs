@@ -1,8 +1,9 @@
 //! Claims judged online: each takes one sample at every tick and has a standing at any time.
 //!
 //! A claim is a `claim::AtStart` over `stream::Stream`s, which never change; what changes is in a `ClaimsMemory`. All of
-//! it is allocated before the first sample, so that taking one allocates nothing. Where margins are late, `early::Early`
-//! knows the verdict at the first sample that determines it. Next on the walk: `recorder.rs` and
+//! it is allocated before the first sample, so that taking one allocates nothing; only a list of what becomes known early
+//! grows with the most that one sample makes known. Where margins are late, `early::Early` knows the verdict at the first
+//! sample that determines it. Next on the walk: `recorder.rs` and
 //! `report/` of the crate `results`.
 
 mod claim;
@@ -82,10 +83,11 @@ impl Compiled {
     /// Its standing while samples come.
     fn standing(&self, memory: &ClaimsMemory) -> Standing {
         let standing = self.formula.standing(memory, false);
-        let early = self.early.as_ref().and_then(|(early, index)| early.holds(&memory.earlies[*index]));
+        let early = self.early.as_ref().and_then(|(_, index)| memory.earlies[*index].holds);
         match (standing.verdict, early) {
-            (Verdict::Undecided, Some(true)) => Standing { verdict: Verdict::Holds, ..standing },
-            (Verdict::Undecided, Some(false)) => Standing { verdict: Verdict::Fails, ..standing },
+            // Margin and time are known later.
+            (Verdict::Undecided, Some(true)) => Standing { verdict: Verdict::Holds, ..Standing::UNKNOWN },
+            (Verdict::Undecided, Some(false)) => Standing { verdict: Verdict::Fails, ..Standing::UNKNOWN },
             _ => standing,
         }
     }
@@ -94,8 +96,7 @@ impl Compiled {
     fn take(&self, memory: &mut ClaimsMemory, tick: u64, sample: &mut Sample<'_>) -> bool {
         let changed = self.formula.take(memory, tick, sample);
         let Some((early, index)) = &self.early else { return changed };
-        let known = early.holds(&memory.earlies[*index]).is_some();
-        changed | (!known && early.take(&mut memory.earlies[*index], tick, sample).is_some())
+        changed | early.take(&mut memory.earlies[*index], tick, sample)
     }
 }
 

@@ -277,6 +277,16 @@ fn a_window_that_begins_later_is_left_out_where_it_is_empty() {
 }
 
 #[test]
+fn a_sample_costs_a_few_steps_on_average_also_where_it_decides_long_windows() {
+    // The inner window fails once, in the middle of the run, and is decided late and backwards.
+    let inner = Formula::Or(vec![above_zero(0, true), eventually(0, Some(2000), above_zero(1, true))]);
+    let claim = always(0, Some(4000), eventually(0, Some(1000), always(0, Some(2000), inner)));
+    let trace: Vec<_> = (0..6000).map(|tick| [if tick == 2500 { -1.0 } else { 1.0 }, -1.0]).collect();
+    let steps = super::early::steps_of(|| _ = judge(&claim, &trace, 8000, Completeness::Complete));
+    assert!((1..4 * 6000).contains(&steps), "{steps}");
+}
+
+#[test]
 fn always_reports_its_smallest_margin_and_its_tick() {
     let claim = always(0, None, above_zero(0, true));
     assert_eq!(standing_of(&claim, &[3.0, 1.0, 2.0, 1.0], Completeness::Complete), (Verdict::Holds, 1.0, 1));
