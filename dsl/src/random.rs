@@ -13,7 +13,7 @@ pub struct Draws(u64);
 
 impl Draws {
     /// Those of the fault with this ordinal among the faults of a port, which has this full name; those of an axis have the
-    /// name of its parameter.
+    /// name of its parameter and the ordinal 0.
     #[must_use]
     pub fn new(seed: i64, name: &str, ordinal: u64) -> Self {
         let words = [seed.cast_unsigned(), XxHash3_64::oneshot(name.as_bytes()), ordinal];

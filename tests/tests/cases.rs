@@ -83,6 +83,7 @@ fn a_run_continues_in_its_own_case_only() {
     let said = run(home, &["run", "a.scn", "--case", "5", "--from", "half"]);
     assert_eq!(said.code, Some(2), "{}{}", said.out, said.err);
     assert!(said.err.contains("push"), "{}", said.err);
+    assert!(said.err.contains("continue with --case 4, or save anew"), "{}", said.err);
 }
 
 #[test]

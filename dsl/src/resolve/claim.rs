@@ -46,6 +46,13 @@ impl Scope<'_, '_> {
         };
         let (mut parts, mut gates) = (Vec::new(), Vec::new());
         self.describe(&condition, "", (&mut parts, &mut gates));
+        // A gate counts where the run is long enough for what it opens.
+        let judged = stop_tick.map_or(0, |stop| stop.saturating_sub(total(&windows)));
+        if let (1.., Some(grid)) = (total(&windows), self.grid()) {
+            let until =
+                format!(", up to {}, the last time that is judged", duration(judged.saturating_mul(grid.step_ns)));
+            gates.iter_mut().for_each(|gate| gate.push_str(&until));
+        }
         Some(Claim {
             name: name.clone(),
             text: self.text(claim.span),
@@ -86,7 +93,7 @@ impl Scope<'_, '_> {
         let is_too_late = start > stop;
         let [from, start] = [from, start].map(|tick| duration(tick.saturating_mul(step_ns)));
         let (claim, span) = name;
-        let message = format!("`{claim}` asks from {from} on for a running value that there is from {start} on");
+        let message = format!("`{claim}` asks from {from} on for a running value whose samples count from {start} on");
         let error = Diagnostic::error("E09", span, message);
         self.report(if is_too_late {
             error.help(format!("give it an earlier first time, or write `stop {start}`"))

@@ -1,10 +1,9 @@
 //! Comparisons and chains of them.
 
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
 use super::arithmetic::{Pair, is_vector};
-use super::condition::{Bound, Condition, opposite as not};
+use super::condition::{Bound, Condition, boolean_size, opposite as not};
 use super::meaning::{Meaning, Measure, Origin, Real, Text};
 use super::measure::si_name;
 use super::real;
@@ -13,10 +12,14 @@ use super::scale::Scale;
 use super::scope::Scope;
 use crate::diagnostic::Diagnostic;
 use crate::scenario::{
-    BooleanExpression, Curve, Function, Limit, Margin, MarginUnit, Near, Operand, Port, RealExpression, Value,
+    BooleanExpression, Function, Limit, Margin, MarginUnit, Near, Operand, Port, RealExpression, Value,
 };
 use crate::source::Span;
+use crate::spelling;
 use crate::syntax::{Comparator, ComparisonLink, Expression, ExpressionKind, Operator};
+
+/// How many parts two compared Booleans may have together: each comparison doubles them.
+const MOST_PARTS: usize = 2048;
 
 /// Both sides of one comparison.
 struct Sides<'c> {
@@ -41,6 +44,10 @@ impl Scope<'_, '_> {
         if rest.len() > 1 && !one_way(rest) {
             let error = Diagnostic::error("E29", span, "a chain of comparisons goes one way");
             return self.refuse(error.help("write `a < b < c` or `a > b > c`, else join two with `and`"));
+        }
+        if rest.len() > 1 && meanings.iter().flatten().any(|meaning| meaning.size() > MOST_PARTS) {
+            let error = Diagnostic::error("E39", span, "a value of this chain of comparisons has too many parts");
+            return self.refuse(error.help("a chain has its inner values twice: compute them in fewer steps"));
         }
         let sides = std::iter::once(first).chain(rest.iter().map(|link| &link.operand)).zip(rest);
         let bounds: Vec<_> = sides
@@ -127,7 +134,8 @@ impl Scope<'_, '_> {
         let Some(tolerance) = &sides.link.tolerance else {
             let (l, r) = (self.text(sides.left.span), self.text(sides.right.span));
             let message = "reals are equal within a tolerance only";
-            let unit = right.unit.as_ref().map(|unit| format!(" {}", unit.unit.name)).unwrap_or_default();
+            let unit = shown_in(measure, left, right).name;
+            let unit = if unit.is_empty() { unit } else { format!(" {}", spelling::unit(&unit)) };
             let example = format!("{l} == {r} ± 0.01{unit}");
             let help = if sides.link.operator == Comparator::Equal { example } else { format!("not ({example})") };
             return self
@@ -163,7 +171,7 @@ impl Scope<'_, '_> {
     /// The least distance between a value and a curve within a time.
     fn distance_from_curve(&self, within: &Expression, (left, right): (&Real, &Real)) -> Option<RealExpression> {
         let within_s = self.seconds(within)?;
-        let (of, curve) = match (si_curve(&right.expression), si_curve(&left.expression)) {
+        let (of, curve) = match (self.si_curve(&right.expression), self.si_curve(&left.expression)) {
             (Some(_), Some(_)) => {
                 let message = "`within` after `±` is a tolerance of time beside one curve, and here are two";
                 let help = "compute the one that may be early or late in a unit, or leave `within` away";
@@ -243,7 +251,14 @@ impl Scope<'_, '_> {
             }
             (Meaning::Condition(l), Meaning::Condition(r)) => {
                 let (l, r) = (self.momentary(l, sides.left.span), self.momentary(r, sides.right.span));
-                Some(Some(agree(l?, r?)))
+                let (l, r) = (l?, r?);
+                if boolean_size(&l) + boolean_size(&r) > MOST_PARTS {
+                    let error =
+                        Diagnostic::error("E39", sides.span(), "this comparison of Booleans has too many parts");
+                    return self
+                        .refuse(error.help("each `==` of Booleans has both sides twice: compute it inside a unit"));
+                }
+                Some(Some(agree(l, r)))
             }
             _ => {
                 let message = format!("{} and {} are never equal", left.kind(), right.kind());
@@ -262,20 +277,6 @@ impl Scope<'_, '_> {
         };
         items(left) == items(right)
     }
-}
-
-/// A curve with its values in SI.
-fn si_curve(value: &RealExpression) -> Option<Arc<Curve>> {
-    let (curve, factor, offset) = match value {
-        RealExpression::Curve(curve) => return Some(Arc::clone(curve)),
-        RealExpression::Affine { of, factor, offset } => match &**of {
-            RealExpression::Curve(curve) => (curve, factor, offset),
-            _ => return None,
-        },
-        _ => return None,
-    };
-    let rows = curve.rows.iter().map(|(time_s, value)| (*time_s, factor * value + offset)).collect();
-    Some(Arc::new(Curve { rows, held: curve.held }))
 }
 
 fn one_way(rest: &[ComparisonLink]) -> bool {

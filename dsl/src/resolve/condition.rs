@@ -9,7 +9,7 @@ use crate::syntax::TemporalWord;
 /// A condition or claim before negations are moved inward.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Condition {
-    /// Without a margin, and where it is written; a name is not shown as one part of a claim, its port is.
+    /// Without a margin, and where it is written; `None` for a Boolean port, of which reports show the port.
     Plain(BooleanExpression, Option<Span>),
     /// A comparison of reals.
     Bound(Bound),

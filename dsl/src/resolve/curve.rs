@@ -97,4 +97,22 @@ impl Scope<'_, '_> {
         let name = Some(unit_name(unit, base, true));
         Some(Real::computed(real::to_si(value, base), Measure::Known(base.dimension), name).on(Scale::of(base)))
     }
+
+    /// A curve with its values in SI; each is converted once.
+    pub fn si_curve(&self, value: &RealExpression) -> Option<Arc<Curve>> {
+        let (curve, factor, offset) = match value {
+            RealExpression::Curve(curve) => return Some(Arc::clone(curve)),
+            RealExpression::Affine { of, factor, offset } => match &**of {
+                RealExpression::Curve(curve) => (curve, *factor, *offset),
+                _ => return None,
+            },
+            _ => return None,
+        };
+        let key = (Arc::as_ptr(curve) as usize, factor.to_bits(), offset.to_bits());
+        let convert = || {
+            let rows = curve.rows.iter().map(|(time_s, value)| (*time_s, factor * value + offset)).collect();
+            Arc::new(Curve { rows, held: curve.held })
+        };
+        Some(Arc::clone(self.si_curves.borrow_mut().entry(key).or_insert_with(convert)))
+    }
 }

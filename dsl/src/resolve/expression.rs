@@ -22,6 +22,9 @@ use crate::syntax::{Expression, ExpressionKind as Kind, Path, Segment, Word};
 /// The longest list that `[w; n]` makes: the largest groups of units have far fewer members.
 const MOST_COPIES: usize = 4096;
 
+/// The most parts of a list that `[w; n]` makes, with those of its elements.
+const MOST_PARTS: usize = 1 << 16;
+
 impl Scope<'_, '_> {
     /// What an expression means; `None` if that was refused, here or in something that it depends on.
     pub fn evaluate(&self, expression: &Expression) -> Option<Rc<Meaning>> {
@@ -98,7 +101,17 @@ impl Scope<'_, '_> {
         let elements = elements.into_iter().collect::<Option<Vec<_>>>()?;
         match count {
             None => Some(Meaning::List(elements)),
-            Some(count) => Some(Meaning::List(elements.iter().cycle().take(count?).cloned().collect())),
+            Some(count) => {
+                let count = count?;
+                let parts = elements.iter().map(|element| element.size()).sum::<usize>().saturating_mul(count);
+                if parts > MOST_PARTS {
+                    let error = Diagnostic::error("E39", expression.span, format!("this list has {parts} parts"));
+                    return self.refuse(
+                        error.help(format!("a list has at most {MOST_PARTS} parts, those of its elements included")),
+                    );
+                }
+                Some(Meaning::List(elements.iter().cycle().take(count).cloned().collect()))
+            }
         }
     }
 

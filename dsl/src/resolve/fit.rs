@@ -17,6 +17,7 @@ use crate::diagnostic::{Diagnostic, Edit};
 use crate::nearest::{listed, nearest};
 use crate::scenario::{BooleanExpression, Curve, Drive, Port, RealExpression};
 use crate::source::{FileRef, Span};
+use crate::spelling;
 use crate::syntax::{Expression, ExpressionKind};
 
 /// A value in the type and unit of its target.
@@ -245,5 +246,5 @@ impl Scope<'_, '_> {
 /// The help for a plain number where one with a unit of measure is meant: units stand at literals only.
 pub(super) fn with_unit(number: &str, unit: &str) -> String {
     let is_literal = number.parse::<f64>().is_ok();
-    format!("write the unit: `{number} {}{unit}`", if is_literal { "" } else { "* 1 " })
+    format!("write the unit: `{number} {}{}`", if is_literal { "" } else { "* 1 " }, spelling::unit(unit))
 }

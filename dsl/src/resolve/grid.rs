@@ -1,5 +1,6 @@
 //! Times as ticks: what was written in seconds has to fall on the grid of `step`.
 
+use super::fit::with_unit;
 use super::meaning::{Measure, Real};
 use super::scope::Scope;
 use super::script::Declared;
@@ -132,8 +133,11 @@ impl Scope<'_, '_> {
     fn real_nanoseconds(&self, time: &Real, least: Least, span: Span) -> Option<Written> {
         if time.measure != Measure::Known(SECOND) {
             let what = format!("expected a time, found {}", self.described(time));
-            let help =
-                if time.measure == Measure::PLAIN { format!("write `{} s`", self.text(span)) } else { String::new() };
+            let help = if time.measure == Measure::PLAIN && time.constant().is_some() {
+                with_unit(&self.text(span), "s")
+            } else {
+                String::new()
+            };
             let error = Diagnostic::error("E02", span, what);
             return self.refuse(if help.is_empty() { error } else { error.help(help) });
         }

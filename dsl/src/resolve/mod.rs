@@ -24,21 +24,21 @@
 //! | E22 | shapes do not agree: members, counts, indices |
 //! | E23 | a group of several units of measure in a computation |
 //! | E24 | a name declared twice, or reserved |
-//! | E25 | a statement or clause that is missing or repeated |
+//! | E25 | a statement or clause that is missing or repeated; a case without a sweep |
 //! | E26 | a unit that was not found or cannot be used |
-//! | E27 | a value that must be known before the run |
+//! | E27 | a value that must be known before the run; values of an axis that depend on a swept parameter |
 //! | E28 | names defined by each other |
 //! | E29 | a comparison that cannot be read: `==` of reals without `±`, a chain that changes direction |
 //! | E30 | a temporal word outside claims, `finally` inside of another word, a running value for a unit |
-//! | E31 | a function with the wrong arguments |
+//! | E31 | a function with the wrong arguments; a distribution outside of a sweep, or none behind `~` |
 //! | E32 | a temperature scale with an offset in a sum, product or tolerance; a difference instead of a point on a scale |
 //! | E33 | a unit of measure with two meanings, `in` or `as` where they do not fit |
 //! | E34 | no such item of an enumeration |
 //! | E35 | two windows over one port |
 //! | E36 | initial values that wait for each other |
-//! | E37 | a value of `--set` of another kind than the parameter's |
+//! | E37 | a value of `--set` or of an axis of another kind than the parameter's; a parameter that is set and swept |
 //! | E38 | a number out of range |
-//! | E39 | a value that is too large or too deeply nested to be meant |
+//! | E39 | a value that is too large or too deeply nested to be meant; more cases than can be counted |
 //! | E40 | a file that a unit cannot be given, or a table that cannot be read |
 //! | E45 | a fault that does not exist, lacks its value, or acts on no connection |
 //! | W01 | a value is passed to a variable that declares no unit, or one that its description does not define |
@@ -46,7 +46,7 @@
 //! | W03 | two instances of one unit draw the same random numbers |
 //! | W04 | a window that opens after the end of the run |
 //! | W05 | a unit that needs another program |
-//! | W06 | an instance, `param` or `let` that is not used |
+//! | W06 | an instance, `param`, `let` or swept `seed` that is not used |
 //! | W07 | a unit whose experiment begins at another time than the run of a script |
 //! | W08 | a unit with a fixed step that takes other steps |
 

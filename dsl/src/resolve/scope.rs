@@ -6,6 +6,7 @@ use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use fmi2::description::Variable;
 use fmi2::units::BaseUnit;
@@ -22,7 +23,7 @@ use super::unit::Unit;
 use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
 use crate::parse::symbols;
-use crate::scenario::{Condition, Port};
+use crate::scenario::{Condition, Curve, Port};
 use crate::source::Span;
 use crate::spelling;
 use crate::syntax::{Binding, Expression, Word};
@@ -46,6 +47,8 @@ pub(super) struct Shared<'a> {
     pub(super) driven_by: RefCell<BTreeMap<Port, Span>>,
     /// The tables of `curve`, by the text that names them and the path.
     pub(super) tables: RefCell<BTreeMap<(u32, String), Loaded>>,
+    /// Curves in SI, by the curve, factor and offset that they are converted from.
+    pub(super) si_curves: RefCell<BTreeMap<(usize, u64, u64), Arc<Curve>>>,
     /// The places of the declared names that something refers to.
     pub(super) used: RefCell<BTreeSet<Span>>,
     /// The units of measure that loaded units define, each meaning with the first instance whose unit does.
@@ -103,6 +106,7 @@ impl<'a> Shared<'a> {
             conditions: RefCell::default(),
             driven_by: RefCell::default(),
             tables: RefCell::default(),
+            si_curves: RefCell::default(),
             used: RefCell::new(used),
         }
     }

@@ -102,7 +102,7 @@ impl Numbers {
                 let new = self.conditions.len() as u64;
                 (12, *self.conditions.entry(format!("{condition:?}")).or_insert(new), 0)
             }
-            // The resolver makes one for each column.
+            // The resolver makes one for each column, and one for each that it converts.
             E::Curve(ref curve) => (13, Arc::as_ptr(curve) as usize as u64, 0),
             E::Near(Near { ref curve, within_s, .. }) => (14, Arc::as_ptr(curve) as usize as u64, within_s.to_bits()),
             E::Shared(_) => unreachable!("each expression is visited once"),

@@ -41,14 +41,14 @@ impl Curve {
     }
 
     /// The least distance of a number from the values of the curve at the times from one to another; where it jumps, these
-    /// are the values before and behind the jump. Not a number if one of them is not.
+    /// are the values before and behind the jump. Not a number if one of them is not. It looks at all rows of that time.
     #[must_use]
-    pub fn least_distance(&self, from: f64, [first_s, last_s]: [f64; 2]) -> f64 {
+    pub fn least_distance(&self, number: f64, [first_s, last_s]: [f64; 2]) -> f64 {
         let mut last = self.at(first_s);
-        let mut least = (from - last).abs();
+        let mut least = (number - last).abs();
         let mut add = |value: f64, is_straight: bool| {
-            let is_crossed = is_straight && (from - last) * (from - value) < 0.0;
-            let distance = if is_crossed { 0.0 } else { (from - value).abs() };
+            let is_crossed = is_straight && (number - last) * (number - value) < 0.0;
+            let distance = if is_crossed { 0.0 } else { (number - value).abs() };
             if distance.is_nan() || distance < least {
                 least = distance;
             }

@@ -95,3 +95,16 @@ fn a_bare_word_for_an_item_is_one_error_that_shows_the_item() {
     = help: its items are `land`, `idle` and `hover`
     "#);
 }
+
+#[test]
+fn what_grows_with_each_level_of_nesting_is_refused_before_it_fills_the_memory() {
+    let nested =
+        |start: &str, around: [&str; 2]| (0..40).fold(start.to_owned(), |text, _| around.join(&format!("({text})")));
+    let equal = nested("quad.landed", ["", " == quad.landed"]);
+    let chain = nested("quad.height > 1 m", ["0 <= count(", ") <= 3"]);
+    let list = (0..5).fold("1".to_owned(), |text, _| format!("[{text}; 4096]"));
+    for lines in [format!("assert a: always {equal}"), format!("assert a: always {chain}"), format!("let a = {list}")] {
+        let found = headings(&flight(&lines));
+        assert!(found.starts_with("error[E39]"), "{found}");
+    }
+}

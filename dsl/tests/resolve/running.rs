@@ -43,13 +43,13 @@ fn wrong_running_values_are_errors() {
     insta::assert_snapshot!(headings(&flight(lines)), @r"
     error[E30]: `average(wind.velocity)` is a running value, which no unit can be given
     = help: put it into a unit; in a script running values stand in claims, conditions and `let`s
-    error[E09]: `a` asks from 0 s on for a running value that there is from 15 s on
+    error[E09]: `a` asks from 0 s on for a running value whose samples count from 15 s on
     = help: ask for it at the end, `finally …`, or later: `always after 15 s …`
     error[E31]: a running value takes no `rises`
     = help: `count` counts how often a condition became true: leave `rises` away
     error[E31]: `rms` takes one or two arguments, found 3
     = help: for example `rms(x)`, or `rms(x, 15 s)` with the first time that counts
-    error[E09]: `d` asks from 60 s on for a running value that there is from 70 s on
+    error[E09]: `d` asks from 60 s on for a running value whose samples count from 70 s on
     = help: give it an earlier first time, or write `stop 70 s`
     error[E21]: expected a condition, `quad.roll` is a number
     = help: a condition compares, for example `x > 3 m`

@@ -43,7 +43,7 @@ fn a_time_without_unit_is_refused() {
     7 | at 12 { set quad.drag = 0.2 }
       |    ^^
       |
-      = help: write `12 s`
+      = help: write the unit: `12 s`
     "#);
 }
 

@@ -8,7 +8,7 @@
 
 use super::TraceError;
 use super::run_folder::PARTIAL;
-use super::run_record::{HashedFile, Parameter, RunRecord};
+use super::run_record::{Case, HashedFile, Parameter, RunRecord};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fmt;
@@ -30,6 +30,8 @@ pub struct Identity {
     pub step_ns: u64,
     /// The parameters of the script.
     pub parameters: Vec<Parameter>,
+    /// The case of the script's sweep.
+    pub case: Option<Case>,
     /// The units.
     pub units: Vec<HashedFile>,
     /// The other files that the run reads.
@@ -51,7 +53,7 @@ pub enum CheckpointError {
     Different {
         /// What differs.
         differences: Vec<String>,
-        /// The settings that it was saved with, where nothing but parameters differs.
+        /// The options of `lockstep run` that it was saved with, where nothing but parameters differs.
         settings: Vec<String>,
     },
     /// Nothing is left to run.
@@ -73,7 +75,6 @@ impl CheckpointError {
             Self::NoCheckpoint => "name a file that `lockstep run --save-at TIME FILE` wrote".to_owned(),
             Self::Version(version) => format!("continue with lockstep {version}, or save anew with --save-at"),
             Self::Different { settings, .. } if !settings.is_empty() => {
-                let settings: Vec<_> = settings.iter().map(|setting| format!("--set '{setting}'")).collect();
                 format!("continue with {}, or save anew with --save-at", settings.join(" "))
             }
             Self::Different { .. } => "continue with what it was saved with, or save anew with --save-at".to_owned(),
@@ -112,6 +113,7 @@ impl Identity {
             script: record.script.sha256.clone(),
             step_ns,
             parameters: record.parameters.clone(),
+            case: record.case,
             units: record.units.clone(),
             files: record.files.clone(),
         }
@@ -162,8 +164,15 @@ impl Identity {
         let (were, are) = (values(&saved.parameters), values(&self.parameters));
         let changed = changes("parameter", &were, &are);
         let settings = if differences.is_empty() {
-            let differing = were.iter().filter(|parameter| !are.contains(parameter));
-            differing.map(|(name, value)| format!("{name} = {value}").escape_debug().to_string()).collect()
+            let case = saved.case.map(|case| {
+                let seed = case.draw_seed.map(|seed| format!(" --set 'seed = {seed}'")).unwrap_or_default();
+                format!("--case {}{seed}", case.number)
+            });
+            let given =
+                |name: &str| saved.case.is_none() || saved.parameters.iter().any(|it| it.set && it.name == name);
+            let differing = were.iter().filter(|parameter| !are.contains(parameter) && given(&parameter.0));
+            let set = differing.map(|(name, value)| format!("--set '{}'", format!("{name} = {value}").escape_debug()));
+            case.into_iter().chain(set).collect()
         } else {
             Vec::new()
         };

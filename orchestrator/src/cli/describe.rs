@@ -45,7 +45,7 @@ impl Describe {
 
     fn catalogue(&self) -> Result<(Catalogue, PathBuf), (String, Option<String>)> {
         let current = std::env::current_dir().map_err(|error| (format!("no current folder: {error}"), None))?;
-        let catalogue = Catalogue::new(self.units.clone(), &current, !self.no_build);
+        let catalogue = Catalogue::with_environment(self.units.clone(), &current, !self.no_build);
         Ok((catalogue.map_err(|error| (error.to_string(), None))?, current))
     }
 

@@ -13,7 +13,10 @@ use std::path::{Path, PathBuf};
 /// Where units are looked for.
 #[derive(Debug)]
 pub struct Catalogue {
+    /// Those of the command line, then those of the environment.
     folders: Vec<PathBuf>,
+    /// The first folder of the environment that is none.
+    missing: Option<PathBuf>,
     workspace: Option<Workspace>,
     build: bool,
     /// A file that the command line names, and the name by which it is looked up.
@@ -46,6 +49,9 @@ impl Entry {
     }
 }
 
+/// The environment variable with folders of units.
+const UNIT_FOLDERS: &str = "LOCKSTEP_UNITS";
+
 /// Whether a name is that of a packed unit: it ends in `.fmu`, in letters of any case.
 #[must_use]
 pub fn is_archive(name: &Path) -> bool {
@@ -62,7 +68,22 @@ impl Catalogue {
             let unreadable = |source| pack::PackError::File { path: folder.clone(), doing: "read", source };
             std::fs::read_dir(folder).map_err(unreadable)?;
         }
-        Ok(Self { folders, workspace: Workspace::around(current)?, build, named: None })
+        Ok(Self { folders, missing: None, workspace: Workspace::around(current)?, build, named: None })
+    }
+
+    /// The same with the folders that `LOCKSTEP_UNITS` names behind these.
+    ///
+    /// # Errors
+    /// If one of the folders or a `Cargo.toml` of that workspace cannot be read; a folder of the environment that is none
+    /// is an error of each name that is looked up.
+    pub fn with_environment(folders: Vec<PathBuf>, current: &Path, build: bool) -> Result<Self, pack::PackError> {
+        let mut catalogue = Self::new(folders, current, build)?;
+        let named = std::env::var_os(UNIT_FOLDERS).unwrap_or_default();
+        let named = std::env::split_paths(&named).filter(|folder| !folder.as_os_str().is_empty());
+        let (folders, missing): (Vec<_>, Vec<_>) = named.partition(|folder| folder.is_dir());
+        catalogue.folders.extend(folders);
+        catalogue.missing = missing.into_iter().next();
+        Ok(catalogue)
     }
 
     /// The name by which a unit of the command line is looked up. A path that a script cannot name gets another.
@@ -99,24 +120,32 @@ impl Catalogue {
             let path = folder.join(named.map_or(Path::new(name), |(_, path)| path));
             return if path.is_file() { Ok(path) } else { Err(no_file(name, &path)) };
         }
+        if let Some(folder) = &self.missing {
+            let message = format!("{UNIT_FOLDERS} names {}, which is no folder", printable::path(folder));
+            let help = Some("it is a list of folders with `:` between them".to_owned());
+            return Err(UnitProblem { message, help });
+        }
         let found = self.entries().into_iter().find(|entry| entry.name == name).map(|entry| entry.origin);
         if let Some(Origin::Archive(path)) = found {
             return Ok(path);
         }
-        let of_script = self.unit_of_script(name, folder);
-        match (of_script.as_ref().map(UnitCrate::archive).filter(|archive| archive.is_file()), found) {
+        let of_script = self.workspace_of_script(folder)?;
+        let of_script = of_script.iter().flat_map(|workspace| &workspace.units).find(|unit| unit.name == name);
+        match (of_script.map(UnitCrate::archive).filter(|archive| archive.is_file()), found) {
             (Some(archive), _) => Ok(archive),
             (None, Some(Origin::Crate(unit))) => self.built(&unit),
-            (None, _) => Err(of_script.map_or_else(|| self.unknown(name), |unit| not_packed(&unit))),
+            (None, _) => Err(of_script.map_or_else(|| self.unknown(name), not_packed)),
         }
     }
 
-    /// A unit of the workspace that a script's folder is in, if that is another than the user's.
-    fn unit_of_script(&self, name: &str, folder: &Path) -> Option<UnitCrate> {
-        let workspace = Workspace::around(&folder.canonicalize().ok()?).ok()??;
-        let is_own =
-            self.workspace.as_ref().is_some_and(|own| own.folder.canonicalize().ok() == Some(workspace.folder.clone()));
-        workspace.units.into_iter().find(|unit| !is_own && unit.name == name)
+    /// The workspace that a script's folder is in, if that is another than the user's.
+    fn workspace_of_script(&self, folder: &Path) -> Result<Option<Workspace>, UnitProblem> {
+        let own = self.workspace.as_ref().and_then(|own| own.folder.canonicalize().ok());
+        let Ok(folder) = folder.canonicalize() else { return Ok(None) };
+        if own.is_some_and(|own| folder.starts_with(own)) {
+            return Ok(None);
+        }
+        Workspace::around(&folder).map_err(|error| UnitProblem { message: error.to_string(), help: None })
     }
 
     fn built(&self, unit: &UnitCrate) -> Result<PathBuf, UnitProblem> {

@@ -43,9 +43,6 @@ impl Refusal {
     }
 }
 
-/// The environment variable with folders of units.
-const UNIT_FOLDERS: &str = "LOCKSTEP_UNITS";
-
 /// Looks for units in these folders, in those of `LOCKSTEP_UNITS`, and in the workspace around the user's current folder.
 ///
 /// # Errors
@@ -53,15 +50,8 @@ const UNIT_FOLDERS: &str = "LOCKSTEP_UNITS";
 pub fn catalogue(folders: &[PathBuf], build: bool) -> Result<Catalogue, Refusal> {
     let current = std::env::current_dir()
         .map_err(|error| Refusal::new(&format!("cannot find the current folder: {error}"), None))?;
-    let shared = std::env::var_os(UNIT_FOLDERS).unwrap_or_default();
-    let shared = std::env::split_paths(&shared).filter(|folder| !folder.as_os_str().is_empty());
-    let named: Vec<_> = shared.collect();
-    if let Some(folder) = named.iter().find(|folder| !folder.is_dir()) {
-        let message = format!("{UNIT_FOLDERS} names {}, which is no folder", printable::path(folder));
-        return Err(Refusal::new(&message, Some("it is a list of folders with `:` between them")));
-    }
-    let folders = folders.iter().cloned().chain(named).collect();
-    Catalogue::new(folders, &current, build).map_err(|error| Refusal::new(&error, None))
+    let catalogue = Catalogue::with_environment(folders.to_vec(), &current, build);
+    catalogue.map_err(|error| Refusal::new(&error, None))
 }
 
 /// The refusal of a script whose warnings count as errors.

@@ -21,6 +21,7 @@ fn identity() -> Identity {
         script: "fedcba9876543210".repeat(4),
         step_ns: 5_000_000,
         parameters: vec![parameter("mean", "3 m/s"), parameter("seed", "1")],
+        case: None,
         units: vec![file("wind"), file("quadcopter")],
         files: vec![file("yard.csv")],
     }

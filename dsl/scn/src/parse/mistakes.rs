@@ -226,6 +226,11 @@ fn reserved_name(failure: &Failure<'_>) -> Option<Diagnostic> {
     if !failure.expects_name() || !is_reserved(word) || failure.before().is_empty() {
         return None;
     }
+    if failure.before().trim_end() == "assert" {
+        let edit = Edit::before(failure.span(), "claim: ");
+        let error = error(failure, format!("expected the name of the claim, found `{word}`"));
+        return Some(error.help(format!("write for example `assert claim: {word} …`")).fix("write `claim:`", [edit]));
+    }
     let message = format!("`{word}` belongs to the language and cannot be a name here");
     Some(error(failure, message).help(format!("take another name, for example `{word}_1`; after a dot it is free")))
 }

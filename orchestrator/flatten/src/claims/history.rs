@@ -1,4 +1,5 @@
-//! Formulas in which a temporal operator that reaches to the end of the run is nested in another: judged when it has ended.
+//! Formulas in which a temporal operator that reaches to the end of the run is nested in another: their margins, which are
+//! known when it has ended.
 //!
 //! Such an operator has one value for each tick, and the last sample can change all of them. So the values of its bounded
 //! parts are stored, in memory allocated before the first sample, and joined afterwards in one pass for each operator.

@@ -83,7 +83,8 @@ pub(super) fn draw(picture: &mut Picture, paths: &[Path], marks: &[Mark], top: f
         curtain(picture, &view, first, stroke.colour);
         picture.curve(&thinned(&view, &first.points_m), *stroke);
         for mark in marks {
-            let Some(&point) = first.points_m.get(mark.index) else { continue };
+            let until = &first.points_m[..first.points_m.len().min(mark.index + 1)];
+            let Some(&point) = until.iter().rfind(|point| is_sample(point)) else { continue };
             let (x, y) = view.page(point);
             picture.dot((x, y), 4.0, stroke.colour);
             picture.text((x - 7.0, y - 7.0), Anchor::End, 13.0, INK, &mark.text);
@@ -131,7 +132,8 @@ fn floor(picture: &mut Picture, view: &View) {
 /// A faint surface from the path down to the ground, which shows the position above the ground.
 fn curtain(picture: &mut Picture, view: &View, path: &Path, colour: &'static str) {
     let ground = |point: &[f64; 3]| view.page([point[0], point[1], view.low[2]]);
-    let steps: Vec<_> = path.points_m.iter().step_by((path.points_m.len() / 300).max(1)).collect();
+    let samples: Vec<_> = path.points_m.iter().filter(|point| is_sample(point)).collect();
+    let steps: Vec<_> = samples.iter().step_by((samples.len() / 300).max(1)).copied().collect();
     for pair in steps.windows(2) {
         let wall = [view.page(*pair[0]), view.page(*pair[1]), ground(pair[1]), ground(pair[0])];
         if wall.iter().all(|(x, y)| x.is_finite() && y.is_finite()) {
@@ -142,16 +144,19 @@ fn curtain(picture: &mut Picture, view: &View, path: &Path, colour: &'static str
     picture.curve(&shadow, Stroke::new(colour, 1.0).faint(0.35));
 }
 
-/// Points that are at least half a pixel apart.
+/// Points that are at least half a pixel apart; rows without a sample are left out.
 fn thinned(view: &View, points_m: &[[f64; 3]]) -> Vec<(f64, f64)> {
     let mut kept: Vec<(f64, f64)> = Vec::new();
-    for point in points_m.iter().map(|&point| view.page(point)) {
-        let far = kept.last().is_none_or(|last| (last.0 - point.0).abs() + (last.1 - point.1).abs() > 0.5);
-        if far || !point.0.is_finite() {
+    for point in points_m.iter().filter(|point| is_sample(point)).map(|&point| view.page(point)) {
+        if kept.last().is_none_or(|last| (last.0 - point.0).abs() + (last.1 - point.1).abs() > 0.5) {
             kept.push(point);
         }
     }
     kept
+}
+
+fn is_sample(point: &[f64; 3]) -> bool {
+    point.iter().all(|coordinate| coordinate.is_finite())
 }
 
 #[cfg(test)]
@@ -167,6 +172,15 @@ mod tests {
             let (x, y) = view.page(*point);
             assert!((10.0..=310.0).contains(&x) && (20.0..=220.0).contains(&y), "{x} {y}");
         }
+    }
+
+    #[test]
+    fn rows_without_a_sample_interrupt_no_path() {
+        let (sample, none) = (|x: f64| [x, x, x], [f64::NAN; 3]);
+        let paths =
+            [Path { name: "p".into(), points_m: vec![sample(0.0), none, sample(5.0), none, sample(10.0), none] }];
+        let view = View::fit(&paths, 0.0, 0.0, 300.0, 200.0);
+        assert_eq!(thinned(&view, &paths[0].points_m), [0.0, 5.0, 10.0].map(|x| view.page(sample(x))));
     }
 
     #[test]

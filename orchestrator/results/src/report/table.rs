@@ -157,17 +157,21 @@ fn unit_suffix(claim: &JudgedClaim) -> String {
 
 fn count_line(strict: bool, verdict: &VerdictFile, replay: &str) -> String {
     let (count, all) = (verdict.count(), verdict.claims.len());
-    let summary = match (count.failed, count.unjudged) {
-        _ if all == 0 => return "No claims in this script: nothing was judged.\n".to_owned(),
-        (0, 0) if strict && count.untested > 0 => {
-            format!("{} of {all} claims not tested, which --strict counts as failed.", count.untested)
-        }
-        (0, 0) => return holding_line(count.untested, all),
-        (0, open) => format!("{open} of {all} claims could not be judged."),
-        (failed, 0) => format!("{failed} of {all} claims failed."),
-        (failed, open) => format!("{failed} of {all} claims failed, {open} could not be judged."),
-    };
-    format!("{summary}  {replay} replays it\n")
+    if all == 0 {
+        return "No claims in this script: nothing was judged.\n".to_owned();
+    }
+    let untested = if strict { count.untested } else { 0 };
+    let counts = [
+        (count.failed, "failed"),
+        (count.unjudged, "could not be judged"),
+        (untested, "not tested, which --strict counts as failed"),
+    ];
+    let mut lost = counts.into_iter().filter(|(number, _)| *number > 0);
+    let Some((number, what)) = lost.next() else { return holding_line(count.untested, all) };
+    let first = format!("{number} of {all} claims {what}");
+    let summary = lost.fold(first, |text, (number, what)| format!("{text}, {number} {what}"));
+    let strict = if untested > 0 { " --strict" } else { "" };
+    format!("{summary}.  {replay}{strict} replays it\n")
 }
 
 fn holding_line(untested: usize, all: usize) -> String {
@@ -254,6 +258,7 @@ mod tests {
         };
         let make = |verdicts: &[Verdict]| make_with(false, verdicts);
         let replay = "lockstep run scenarios/quad.scn --set 'gust = 4 m/s' replays it";
+        let strict = replay.replace(" replays", " --strict replays");
         use Verdict::{Fails, Holds, Unjudged, Untested};
         assert_eq!(make(&[]), "No claims in this script: nothing was judged.");
         assert_eq!(make(&[Holds]), "The claim holds.");
@@ -261,8 +266,10 @@ mod tests {
         assert_eq!(make(&[Holds, Untested]), "All 2 claims hold, 1 of them untested.");
         assert_eq!(
             make_with(true, &[Holds, Untested]),
-            format!("1 of 2 claims not tested, which --strict counts as failed.  {replay}")
+            format!("1 of 2 claims not tested, which --strict counts as failed.  {strict}")
         );
+        let both = "1 of 2 claims failed, 1 not tested, which --strict counts as failed.";
+        assert_eq!(make_with(true, &[Fails, Untested]), format!("{both}  {strict}"));
         assert_eq!(make(&[Holds, Unjudged]), format!("1 of 2 claims could not be judged.  {replay}"));
         assert_eq!(make(&[Fails, Holds]), format!("1 of 2 claims failed.  {replay}"));
         assert_eq!(make(&[Fails, Unjudged]), format!("1 of 2 claims failed, 1 could not be judged.  {replay}"));
