@@ -249,17 +249,7 @@ impl Scope<'_, '_> {
             | (Meaning::Text(Text::Literal(text)), Meaning::Text(Text::Port(port))) => {
                 same(Operand::Signal(*port), Operand::Constant(Value::String(text.clone())))
             }
-            (Meaning::Condition(l), Meaning::Condition(r)) => {
-                let (l, r) = (self.momentary(l, sides.left.span), self.momentary(r, sides.right.span));
-                let (l, r) = (l?, r?);
-                if boolean_size(&l) + boolean_size(&r) > MOST_PARTS {
-                    let error =
-                        Diagnostic::error("E39", sides.span(), "this comparison of Booleans has too many parts");
-                    return self
-                        .refuse(error.help("each `==` of Booleans has both sides twice: compute it inside a unit"));
-                }
-                Some(Some(agree(l, r)))
-            }
+            (Meaning::Condition(l), Meaning::Condition(r)) => self.agreement(sides, l, r).map(Some),
             _ => {
                 let message = format!("{} and {} are never equal", left.kind(), right.kind());
                 let error = Diagnostic::error("E21", sides.left.span, message).saying(left.kind());
@@ -267,6 +257,17 @@ impl Scope<'_, '_> {
                 self.refuse(error.help("both sides of `==` need one type"))
             }
         }
+    }
+
+    /// Whether two conditions hold or not together.
+    fn agreement(&self, sides: &Sides<'_>, left: &Condition, right: &Condition) -> Option<BooleanExpression> {
+        let (l, r) = (self.momentary(left, sides.left.span), self.momentary(right, sides.right.span));
+        let (l, r) = (l?, r?);
+        if boolean_size(&l) + boolean_size(&r) > MOST_PARTS {
+            let error = Diagnostic::error("E39", sides.span(), "this comparison of Booleans has too many parts");
+            return self.refuse(error.help("each `==` of Booleans has both sides twice: compute it inside a unit"));
+        }
+        Some(agree(l, r))
     }
 
     /// Whether two enumerations have items of the same names and values, in whatever order.

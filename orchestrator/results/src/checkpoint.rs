@@ -30,8 +30,8 @@ pub struct Identity {
     pub step_ns: u64,
     /// The parameters of the script.
     pub parameters: Vec<Parameter>,
-    /// The case of the script's sweep.
-    pub case: Option<Case>,
+    /// Number and seed of the draws of the case of the script's sweep.
+    pub case: Option<(u64, Option<i64>)>,
     /// The units.
     pub units: Vec<HashedFile>,
     /// The other files that the run reads.
@@ -113,7 +113,7 @@ impl Identity {
             script: record.script.sha256.clone(),
             step_ns,
             parameters: record.parameters.clone(),
-            case: record.case,
+            case: record.case.map(|Case { number, draw_seed }| (number, draw_seed)),
             units: record.units.clone(),
             files: record.files.clone(),
         }
@@ -164,9 +164,9 @@ impl Identity {
         let (were, are) = (values(&saved.parameters), values(&self.parameters));
         let changed = changes("parameter", &were, &are);
         let settings = if differences.is_empty() {
-            let case = saved.case.map(|case| {
-                let seed = case.draw_seed.map(|seed| format!(" --set 'seed = {seed}'")).unwrap_or_default();
-                format!("--case {}{seed}", case.number)
+            let case = saved.case.map(|(number, draw_seed)| {
+                let seed = draw_seed.map(|seed| format!(" --set 'seed = {seed}'")).unwrap_or_default();
+                format!("--case {number}{seed}")
             });
             let given =
                 |name: &str| saved.case.is_none() || saved.parameters.iter().any(|it| it.set && it.name == name);

@@ -51,7 +51,7 @@ pub struct Parameter {
 }
 
 /// A case of a sweep.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Case {
     /// Its number, from 0.
     pub number: u64,
