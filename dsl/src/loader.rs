@@ -63,4 +63,6 @@ pub struct TableColumn {
     pub unit: Option<String>,
     /// The values, row by row; `true` is 1.
     pub values: Vec<f64>,
+    /// Whether they are Booleans or Integers, which are held until the next row.
+    pub held: bool,
 }

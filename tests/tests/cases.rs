@@ -132,3 +132,23 @@ fn a_late_signal_is_near_its_reference_within_a_tolerance_of_time() {
         said.out
     );
 }
+
+#[test]
+fn a_time_in_milliseconds_is_that_of_its_tick_and_truth_is_held() {
+    let script = "scenario \"Exact\"\nstep 100 ms\nstop 2 s\nfmu ramp = \"ramp.fmu\" { gain = 1, push = 0 }\n\
+                  let up = curve(\"on.csv\", \"on\")\n\
+                  assert late: always (time >= 0.7 s implies time >= 700 ms)\n\
+                  assert lasts: finally duration(time < 0.3 s) <= 0.3 s\n\
+                  assert steps: always (up < 0.1 or up > 0.9)\nrecord ramp.y, up\n";
+    let folder = ramp(script);
+    fs::write(folder.path().join("on.csv"), "time,on\n0,TRUE\n1,FALSE\n2,true\n").unwrap();
+    let said = run(folder.path(), &["run", "a.scn"]);
+    assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
+    let taken = run(folder.path(), &["run", "a.scn", "--save-at", "1s", "on.csv"]);
+    assert_eq!(taken.code, Some(2));
+    assert!(
+        taken.err.starts_with("error: --save-at on.csv: this is no checkpoint, and would be lost"),
+        "{}",
+        taken.err
+    );
+}

@@ -18,8 +18,8 @@ use crate::source::Span;
 use crate::spelling;
 use crate::syntax::{Comparator, ComparisonLink, Expression, ExpressionKind, Operator};
 
-/// How many parts two compared Booleans may have together: each comparison doubles them.
-const MOST_PARTS: usize = 2048;
+/// How many parts the operands may have together of what has them twice, as a comparison of Booleans has.
+pub(super) const MOST_PARTS: usize = 2048;
 
 /// Both sides of one comparison.
 struct Sides<'c> {

@@ -73,7 +73,7 @@ impl Scope<'_, '_> {
             Ok(table) => {
                 let curve = |column: &TableColumn| {
                     let rows = table.time_s.iter().copied().zip(column.values.iter().copied()).collect();
-                    Arc::new(Curve { rows, held: false })
+                    Arc::new(Curve { rows, held: column.held })
                 };
                 let curves = table.columns.iter().map(curve).collect();
                 Some(Rc::new((table, curves)))

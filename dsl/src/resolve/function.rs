@@ -5,8 +5,9 @@ use std::rc::Rc;
 use fmi2::units::Dimension;
 
 use super::arithmetic::{Pair, is_vector, preferred};
+use super::comparison::MOST_PARTS;
 use super::condition::Condition;
-use super::meaning::{Meaning, Measure, Real, Text};
+use super::meaning::{Meaning, Measure, Real, Text, real_size};
 use super::measure::quantity;
 use super::real;
 use super::running::RUNNING;
@@ -215,6 +216,10 @@ impl Scope<'_, '_> {
         let (a, b) = (a?, b?);
         let measure = self.unified(Pair { left: (&a, left_span), right: (&b, right_span) }, "E02", "`mod`")?;
         let unit = preferred(&a, &b);
+        if real_size(&a.expression) + real_size(&b.expression) > MOST_PARTS {
+            let error = Diagnostic::error("E39", call.span, "this `mod` has too many parts");
+            return self.refuse(error.help("`mod` has both of its arguments twice: compute it in fewer steps"));
+        }
         let ratio = real::combine(Operator::Divide, a.expression.clone(), b.expression.clone());
         let whole = real::combine(Operator::Multiply, b.expression, real::call(Function::Floor, vec![ratio]));
         let rest = real::combine(Operator::Subtract, a.expression, whole);

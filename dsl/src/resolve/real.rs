@@ -2,6 +2,7 @@
 
 use fmi2::units::BaseUnit;
 
+use super::literal::nearest_si;
 use crate::scenario::{Function, RealExpression as E};
 use crate::syntax::Operator;
 
@@ -48,7 +49,7 @@ pub(super) fn call(function: Function, arguments: Vec<E>) -> E {
 pub(super) fn to_si(of: E, unit: BaseUnit) -> E {
     let BaseUnit { factor, offset, .. } = unit;
     match of {
-        E::Constant(value) => E::Constant(unit.to_si(value)),
+        E::Constant(value) => E::Constant(nearest_si(value, unit)),
         of if (factor, offset) == (1.0, 0.0) => of,
         of => E::Affine { of: Box::new(of), factor, offset },
     }

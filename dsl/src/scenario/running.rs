@@ -86,7 +86,8 @@ impl Running {
             }
             RunningKind::Duration => {
                 let samples = if is_first { 0.0 } else { so_far };
-                (samples + sample, sample, samples * self.step_s)
+                // In nanoseconds, so that three steps of 0.1 s are 0.3 s.
+                (samples + sample, sample, samples * (self.step_s * 1e9).round() / 1e9)
             }
         };
         *memory = RunningMemory { so_far, last };

@@ -78,6 +78,7 @@ impl Loader for Memory {
             name: name.to_owned(),
             unit: unit.map(str::to_owned),
             values: values.to_vec(),
+            held: name == "on",
         };
         let columns = vec![
             column("u", Some("m/s"), [1.5, 2.5]),

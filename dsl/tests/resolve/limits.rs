@@ -102,8 +102,14 @@ fn what_grows_with_each_level_of_nesting_is_refused_before_it_fills_the_memory()
         |start: &str, around: [&str; 2]| (0..40).fold(start.to_owned(), |text, _| around.join(&format!("({text})")));
     let equal = nested("quad.landed", ["", " == quad.landed"]);
     let chain = nested("quad.height > 1 m", ["0 <= count(", ") <= 3"]);
+    let modulo = nested("quad.height", ["mod(", ", 2 m)"]);
     let list = (0..5).fold("1".to_owned(), |text, _| format!("[{text}; 4096]"));
-    for lines in [format!("assert a: always {equal}"), format!("assert a: always {chain}"), format!("let a = {list}")] {
+    for lines in [
+        format!("assert a: always {equal}"),
+        format!("assert a: always {chain}"),
+        format!("let a = {list}"),
+        format!("let a = {modulo}"),
+    ] {
         let found = headings(&flight(&lines));
         assert!(found.starts_with("error[E39]"), "{found}");
     }

@@ -185,6 +185,20 @@ impl Identity {
     }
 }
 
+/// Whether there is something under a path that is no checkpoint: a file with other content, a folder, a device.
+#[must_use]
+pub fn is_another_file(path: &Path) -> bool {
+    match fs::symlink_metadata(path) {
+        Err(_) => false,
+        Ok(found) if !found.is_file() => true,
+        Ok(_) => {
+            let mut begin = [0; MAGIC.len()];
+            let read = fs::File::open(path).and_then(|mut file| std::io::Read::read_exact(&mut file, &mut begin));
+            read.is_err() || begin != *MAGIC
+        }
+    }
+}
+
 /// Checks the header and returns the content.
 fn content(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
     let rest = bytes.strip_prefix(MAGIC).ok_or(CheckpointError::NoCheckpoint)?;

@@ -9,10 +9,12 @@ use crate::find::script::{Script, ScriptOptions};
 use crate::host::execution::{ReadyRun, RunOutcome};
 use crate::run::run_options::RunOptions;
 use fmi2::printable;
+use results::checkpoint;
 use results::recorder::Formats;
 use results::report;
 use results::report::console::Style;
 use results::report::table::{Heading, next_lines, replay_command};
+use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -164,7 +166,19 @@ impl Run {
                 |error| Refusal::new(&format!("--save-at {time}: {error}"), Some("write a time, for example 40s"));
             Ok((humantime::parse_duration(&time).map_err(refused)?, PathBuf::from(file)))
         };
-        pairs.iter().map(save).collect()
+        let saves: Vec<(Duration, PathBuf)> = pairs.iter().map(save).collect::<Result<_, _>>()?;
+        let mut seen = BTreeSet::new();
+        for (_, path) in &saves {
+            if !seen.insert(path) {
+                let message = format!("--save-at names {} twice", printable::path(path));
+                return Err(Refusal::new(&message, Some("give each time a file of its own")));
+            }
+            if checkpoint::is_another_file(path) {
+                let message = format!("--save-at {}: this is no checkpoint, and would be lost", printable::path(path));
+                return Err(Refusal::new(&message, Some("name a new file, or an earlier checkpoint to replace")));
+            }
+        }
+        Ok(saves)
     }
 
     fn print(&self, outcome: &RunOutcome) {

@@ -293,8 +293,9 @@ impl Loader for Files<'_> {
         if time_s.is_empty() {
             return Err(problem(table.wrong_heading(0, "the file has names, but no rows".to_owned())));
         }
-        let columns = names.into_iter().zip(numbers);
-        let column = |((name, unit), values)| TableColumn { name, unit, values };
+        let columns = (1..).zip(names).zip(numbers);
+        let column =
+            |((index, (name, unit)), values)| TableColumn { name, unit, values, held: table.is_discrete(index) };
         Ok(Table { time_s, columns: columns.map(column).collect() })
     }
 }
@@ -351,7 +352,8 @@ fn parts_and_tables_are_beside_the_text_that_names_them() {
     let part = files.text(&script, "parts/uav.scn").expect("the part is there");
     assert_eq!(part.text, "param slot = 1 m\n");
     let table = files.table(&part, "in.csv").expect("the table is there");
-    let column = TableColumn { name: "u, \"up\"".to_owned(), unit: Some("m/s".to_owned()), values: vec![1.5] };
+    let column =
+        TableColumn { name: "u, \"up\"".to_owned(), unit: Some("m/s".to_owned()), values: vec![1.5], held: false };
     assert_eq!(table, Table { time_s: vec![0.0], columns: vec![column] });
     let missing = files.text(&part, "uav.csv").expect_err("no such file");
     assert!(missing.message.starts_with("`uav.csv` cannot be read"), "{}", missing.message);

@@ -36,6 +36,8 @@ pub struct TableFile {
     is_partial: bool,
     headings: Vec<Heading>,
     time_unit: String,
+    /// The columns in which `true` or `false` was read.
+    booleans: BTreeSet<usize>,
     content: Content,
 }
 
@@ -71,7 +73,14 @@ impl TableFile {
         } else {
             text_content(path, bytes, is_partial)?
         };
-        let mut file = Self { path: path.to_owned(), is_partial, headings, time_unit: "s".to_owned(), content };
+        let mut file = Self {
+            path: path.to_owned(),
+            is_partial,
+            headings,
+            time_unit: "s".to_owned(),
+            booleans: BTreeSet::new(),
+            content,
+        };
         file.check_headings()?;
         Ok(file)
     }
@@ -148,12 +157,23 @@ impl TableFile {
     /// # Errors
     /// A row does not fit the names, a cell does not fit its column's type, or time decreases.
     pub fn read(&mut self, types: &[CellType], gaps: bool) -> Result<Columns, TableError> {
-        let rows = Rows { headings: &self.headings, types, gaps, time_unit: &self.time_unit };
+        let mut rows =
+            Rows { headings: &self.headings, types, gaps, time_unit: &self.time_unit, booleans: BTreeSet::new() };
         let read = match &mut self.content {
             Content::Text(sheet) => rows.of_text(sheet),
             Content::Parquet(table) => rows.of_parquet(table),
         };
+        self.booleans = std::mem::take(&mut rows.booleans);
         read.map_err(|wrong| self.wrong(wrong))
+    }
+
+    /// Whether a column that was read has words for truth, or a type of the file that is not Real.
+    #[must_use]
+    pub fn is_discrete(&self, index: usize) -> bool {
+        match &self.content {
+            Content::Text(_) => self.booleans.contains(&index),
+            Content::Parquet(table) => table.is_discrete(index),
+        }
     }
 }
 
@@ -183,10 +203,12 @@ struct Rows<'a> {
     types: &'a [CellType],
     gaps: bool,
     time_unit: &'a str,
+    /// The columns in which `true` or `false` was read.
+    booleans: BTreeSet<usize>,
 }
 
 impl Rows<'_> {
-    fn of_text(&self, sheet: &mut Sheet) -> Result<Columns, Wrong> {
+    fn of_text(&mut self, sheet: &mut Sheet) -> Result<Columns, Wrong> {
         let mut columns = vec![Vec::new(); self.headings.len()];
         let mut last_s = f64::NEG_INFINITY;
         let separator = sheet.separator();
@@ -210,6 +232,9 @@ impl Rows<'_> {
             columns[0].push(Some(time_s));
             for (index, cell) in row.iter().enumerate().skip(1) {
                 let value = self.value(index, &cell.text).map_err(|message| Wrong::new(cell.at, message))?;
+                if value.is_some() && cell.text.trim().parse::<f64>().is_err() {
+                    self.booleans.insert(index);
+                }
                 columns[index].push(value);
             }
         }

@@ -1,5 +1,6 @@
 //! The columns of a Parquet file, of this program or of another.
 
+use parquet::basic::Type;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
@@ -21,6 +22,12 @@ impl ParquetTable {
         let columns = reader.metadata().file_metadata().schema_descr().columns().iter();
         let names = columns.map(|column| column.path().string()).collect();
         Ok((Self { reader }, names))
+    }
+
+    /// Whether a column holds Booleans or whole numbers.
+    pub fn is_discrete(&self, index: usize) -> bool {
+        let schema = self.reader.metadata().file_metadata().schema_descr();
+        matches!(schema.column(index).physical_type(), Type::BOOLEAN | Type::INT32 | Type::INT64)
     }
 
     /// The values of a column, row by row; `None` where there is none.
