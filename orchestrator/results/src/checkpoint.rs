@@ -185,12 +185,13 @@ impl Identity {
     }
 }
 
-/// Whether there is something under a path that is no checkpoint: a file with other content, a folder, a device.
+/// Whether there is something under a path that a checkpoint would replace and is none: a file with other content, a link,
+/// a device. A folder is never replaced.
 #[must_use]
 pub fn is_another_file(path: &Path) -> bool {
     match fs::symlink_metadata(path) {
         Err(_) => false,
-        Ok(found) if !found.is_file() => true,
+        Ok(found) if !found.is_file() => !found.is_dir(),
         Ok(_) => {
             let mut begin = [0; MAGIC.len()];
             let read = fs::File::open(path).and_then(|mut file| std::io::Read::read_exact(&mut file, &mut begin));
