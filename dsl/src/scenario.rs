@@ -164,7 +164,8 @@ pub enum Drive {
     Curve(Curve),
 }
 
-/// A real value. Signals are read raw, in their variable's own unit; [`RealExpression::Affine`] converts them to SI.
+/// A real value. Signals are read raw, in their variable's own unit; [`RealExpression::Affine`] and its inverse
+/// convert them to SI and back.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum RealExpression {
     /// A number.
@@ -173,7 +174,7 @@ pub enum RealExpression {
     Signal(Port),
     /// Seconds since the start, tick × step.
     Time,
-    /// `factor * x + offset`: from a variable's unit to SI.
+    /// `factor * x + offset`
     Affine {
         /// The value.
         of: Box<RealExpression>,
@@ -182,7 +183,7 @@ pub enum RealExpression {
         /// Added then.
         offset: f64,
     },
-    /// `(x - offset) / factor`: from SI to a variable's unit.
+    /// `(x - offset) / factor`
     InverseAffine {
         /// The value.
         of: Box<RealExpression>,

@@ -152,3 +152,18 @@ fn a_time_in_milliseconds_is_that_of_its_tick_and_truth_is_held() {
         taken.err
     );
 }
+
+#[test]
+fn a_quantity_is_what_a_unit_gives_in_the_same_unit() {
+    let variables =
+        "<ScalarVariable name=\"y\" valueReference=\"0\" causality=\"output\"><Real unit=\"ms\"/></ScalarVariable>";
+    let definitions =
+        "<UnitDefinitions><Unit name=\"ms\"><BaseUnit s=\"1\" factor=\"0.001\"/></Unit></UnitDefinitions>";
+    let unit = Generic { variables, definitions, code: &[("STEP_CODE", "R[0] = 1000 + STEPS;")], ..Generic::default() };
+    let folder = unit.build("clock");
+    let script = "scenario \"Same\"\nstep 100 ms\nstop 20 s\nfmu a = \"clock.fmu\"\n\
+                  assert first: always within 100 ms a.y <= 1001 ms\nassert ends: finally a.y <= 1200 ms\n";
+    fs::write(folder.path().join("a.scn"), script).unwrap();
+    let said = run(folder.path(), &["run", "a.scn"]);
+    assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
+}

@@ -100,17 +100,17 @@ impl Scope<'_, '_> {
 
     /// A curve with its values in SI; each is converted once.
     pub fn si_curve(&self, value: &RealExpression) -> Option<Arc<Curve>> {
-        let (curve, factor, offset) = match value {
+        let (of, factor, offset, divides) = match value {
             RealExpression::Curve(curve) => return Some(Arc::clone(curve)),
-            RealExpression::Affine { of, factor, offset } => match &**of {
-                RealExpression::Curve(curve) => (curve, *factor, *offset),
-                _ => return None,
-            },
+            RealExpression::Affine { of, factor, offset } => (of, *factor, *offset, false),
+            RealExpression::InverseAffine { of, factor, offset } => (of, *factor, *offset, true),
             _ => return None,
         };
-        let key = (Arc::as_ptr(curve) as usize, factor.to_bits(), offset.to_bits());
+        let RealExpression::Curve(curve) = &**of else { return None };
+        let key = (Arc::as_ptr(curve) as usize, [factor, offset].map(f64::to_bits), divides);
+        let si = |value: f64| if divides { (value - offset) / factor } else { factor * value + offset };
         let convert = || {
-            let rows = curve.rows.iter().map(|(time_s, value)| (*time_s, factor * value + offset)).collect();
+            let rows = curve.rows.iter().map(|(time_s, value)| (*time_s, si(*value))).collect();
             Arc::new(Curve { rows, held: curve.held })
         };
         Some(Arc::clone(self.si_curves.borrow_mut().entry(key).or_insert_with(convert)))

@@ -14,20 +14,12 @@ use crate::source::Span;
 /// A number with its unit, as written.
 pub(super) fn literal(number: f64, base: BaseUnit, name: &str) -> Real {
     Real {
-        expression: RealExpression::Constant(nearest_si(number, base)),
+        expression: RealExpression::Constant(base.to_si(number)),
         measure: Measure::Known(base.dimension),
         unit: Some(unit_name(name, base, true)),
         origin: Origin::Literal { number, base, has_unit: true },
         scale: if base.offset == 0.0 { Scale::Either } else { Scale::Point { offset: true } },
     }
-}
-
-/// A written number in SI. A unit that is a whole part of the SI unit divides, so that 700 ms is the number nearest to
-/// 0.7, as the time of a tick is.
-pub(super) fn nearest_si(number: f64, base: BaseUnit) -> f64 {
-    let parts = (1.0 / base.factor).round();
-    let is_part = base.offset == 0.0 && base.factor < 1.0 && 1.0 / parts == base.factor;
-    if is_part { number / parts } else { base.to_si(number) }
 }
 
 /// A number in a unit of measure of which only the name is known.
@@ -85,15 +77,4 @@ impl Scope<'_, '_> {
             "only a value that goes to or is compared with a variable takes its FMU's meaning; write another unit",
         )
     }
-}
-
-#[test]
-fn a_quantity_is_the_number_nearest_to_it_in_si() {
-    let of = |factor: f64| BaseUnit { factor, ..BaseUnit::default() };
-    for number in 1..10_000 {
-        let number = f64::from(number);
-        assert_eq!(nearest_si(number, of(0.001)), number / 1000.0);
-        assert_eq!(nearest_si(number, of(60.0)), number * 60.0);
-    }
-    assert_eq!(nearest_si(700.0, of(0.001)), 0.7);
 }

@@ -2,7 +2,6 @@
 
 use fmi2::units::BaseUnit;
 
-use super::literal::nearest_si;
 use super::meaning::{Meaning, Measure, Origin, Real};
 use super::measure::quantity;
 use super::scope::Scope;
@@ -29,7 +28,7 @@ impl Counting {
             Origin::Literal { base, has_unit, .. } => Origin::Literal { number, base, has_unit },
             other => other,
         };
-        Real { expression: RealExpression::Constant(nearest_si(number, self.base)), origin, ..self.last.clone() }
+        Real { expression: RealExpression::Constant(self.base.to_si(number)), origin, ..self.last.clone() }
     }
 }
 

@@ -2,7 +2,6 @@
 
 use fmi2::units::BaseUnit;
 
-use super::literal::nearest_si;
 use crate::scenario::{Function, RealExpression as E};
 use crate::syntax::Operator;
 
@@ -45,23 +44,25 @@ pub(super) fn call(function: Function, arguments: Vec<E>) -> E {
     }
 }
 
-/// From a unit of measure to SI; the identity leaves no trace.
+/// From a unit of measure to SI, with the operations of [`BaseUnit::to_si`]; the identity leaves no trace.
 pub(super) fn to_si(of: E, unit: BaseUnit) -> E {
     let BaseUnit { factor, offset, .. } = unit;
-    match of {
-        E::Constant(value) => E::Constant(nearest_si(value, unit)),
-        of if (factor, offset) == (1.0, 0.0) => of,
-        of => E::Affine { of: Box::new(of), factor, offset },
+    match (of, unit.parts()) {
+        (E::Constant(value), _) => E::Constant(unit.to_si(value)),
+        (of, Some(parts)) => E::InverseAffine { of: Box::new(of), factor: parts, offset },
+        (of, None) if (factor, offset) == (1.0, 0.0) => of,
+        (of, None) => E::Affine { of: Box::new(of), factor, offset },
     }
 }
 
-/// From SI to a unit of measure; the identity leaves no trace.
+/// From SI to a unit of measure, with the operations of [`BaseUnit::from_si`]; the identity leaves no trace.
 pub(super) fn from_si(of: E, unit: BaseUnit) -> E {
     let BaseUnit { factor, offset, .. } = unit;
-    match of {
-        E::Constant(value) => E::Constant(unit.from_si(value)),
-        of if (factor, offset) == (1.0, 0.0) => of,
-        of => E::InverseAffine { of: Box::new(of), factor, offset },
+    match (of, unit.parts()) {
+        (E::Constant(value), _) => E::Constant(unit.from_si(value)),
+        (of, Some(parts)) => E::Affine { of: Box::new(of), factor: parts, offset },
+        (of, None) if (factor, offset) == (1.0, 0.0) => of,
+        (of, None) => E::InverseAffine { of: Box::new(of), factor, offset },
     }
 }
 

@@ -47,8 +47,8 @@ pub(super) struct Shared<'a> {
     pub(super) driven_by: RefCell<BTreeMap<Port, Span>>,
     /// The tables of `curve`, by the text that names them and the path.
     pub(super) tables: RefCell<BTreeMap<(u32, String), Loaded>>,
-    /// Curves in SI, by the curve, factor and offset that they are converted from.
-    pub(super) si_curves: RefCell<BTreeMap<(usize, u64, u64), Arc<Curve>>>,
+    /// Curves in SI, by the curve that they are converted from, factor and offset, and whether these divide.
+    pub(super) si_curves: RefCell<BTreeMap<(usize, [u64; 2], bool), Arc<Curve>>>,
     /// The places of the declared names that something refers to.
     pub(super) used: RefCell<BTreeSet<Span>>,
     /// The units of measure that loaded units define, each meaning with the first instance whose unit does.

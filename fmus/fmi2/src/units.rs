@@ -98,16 +98,27 @@ impl Default for BaseUnit {
 }
 
 impl BaseUnit {
-    /// The SI value of a value in this unit.
+    /// The SI value of a value in this unit: of parts of the SI unit the number nearest to it, so that 700 ms is 0.7 s.
     #[must_use]
     pub fn to_si(&self, value: f64) -> f64 {
-        self.scale().apply(value)
+        self.parts().map_or_else(|| self.scale().apply(value), |parts| value / parts)
     }
 
     /// The value in this unit for an SI value.
     #[must_use]
     pub fn from_si(&self, si: f64) -> f64 {
-        if self.factor == 1.0 && self.offset == 0.0 { si } else { (si - self.offset) / self.factor }
+        match self.parts() {
+            Some(parts) => si * parts,
+            None if self.factor == 1.0 && self.offset == 0.0 => si,
+            None => (si - self.offset) / self.factor,
+        }
+    }
+
+    /// How many of this unit are one SI unit, if that is a whole number above 1: 1000 of `ms`.
+    #[must_use]
+    pub fn parts(&self) -> Option<f64> {
+        let parts = (1.0 / self.factor).round();
+        (self.offset == 0.0 && parts > 1.0 && 1.0 / parts == self.factor).then_some(parts)
     }
 
     /// The conversion of values in this unit to values in the other one; `None` if the dimensions differ.

@@ -176,3 +176,20 @@ proptest::proptest! {
         }
     }
 }
+
+#[test]
+fn parts_of_an_si_unit_are_converted_by_whole_numbers() {
+    let of = |factor: f64| BaseUnit { factor, ..BaseUnit::default() };
+    for number in 1..10_000 {
+        let number = f64::from(number);
+        assert_eq!(of(0.001).to_si(number), number / 1000.0);
+        assert_eq!(of(0.001).from_si(number / 7.0), number / 7.0 * 1000.0);
+        assert_eq!(of(60.0).to_si(number), number * 60.0);
+    }
+    assert_eq!(of(0.001).to_si(700.0), 0.7);
+    assert_eq!(
+        [0.001, 0.01, 1.0, 60.0, 1.0 / 3.6].map(|factor| of(factor).parts()),
+        [Some(1000.0), Some(100.0), None, None, None]
+    );
+    assert_eq!(BaseUnit { offset: 1.0, ..of(0.001) }.parts(), None);
+}
