@@ -10,7 +10,7 @@ fn the_examples_of_the_reference_parse() {
     let examples = [
         (include_str!("../../corpus/parse/quadcopter_among_obstacles.scn"), 34),
         (include_str!("../../corpus/parse/auv_with_range_finder.scn"), 28),
-        (include_str!("../../corpus/parse/formation_part.scn"), 6),
+        (include_str!("../../corpus/parse/uav.scn"), 6),
         (include_str!("../../corpus/parse/formation.scn"), 21),
     ];
     for (script, statements) in examples {

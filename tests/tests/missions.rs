@@ -1,6 +1,6 @@
-//! The three scripts of the language's reference, word for word: their claims hold, each is lost where its margin is cut,
-//! and processes of their own or another style change nothing. Units that do not exist are stand-ins of
-//! `tests/section_two/`.
+//! Three missions with many units: their claims hold, each is lost where its margin is cut, and processes of their own or
+//! another style change nothing. The scripts are in `dsl/corpus/parse/`; units that do not exist are stand-ins of
+//! `tests/missions/`, beside the tables.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use serde_json::Value;
@@ -30,7 +30,7 @@ enum Lost {
     Window(RangeInclusive<f64>),
 }
 
-/// A script of the reference.
+/// A mission.
 struct Script {
     file: &'static str,
     /// Ticks, times, changes and conditions of its `at` windows.
@@ -43,7 +43,7 @@ struct Script {
 }
 
 const QUADCOPTER: Script = Script {
-    file: "quadcopter.scn",
+    file: "quadcopter_among_obstacles.scn",
     windows: &["6000,30,opened,30 s", "7600,38,closed,30 s", "9000,45,opened,45 s", "9400,47,closed,45 s"],
     margin: ("clear", |records| least(&records.column("world.clearance")) - 0.8),
     coarse: ["step 5 ms", "step 10 ms"],
@@ -56,7 +56,7 @@ const QUADCOPTER: Script = Script {
 };
 
 const AUV: Script = Script {
-    file: "auv.scn",
+    file: "auv_with_range_finder.scn",
     windows: &["1200,60,opened,60 s", "1400,70,closed,60 s"],
     margin: ("safe", |records| least(&records.column("sea.clearance")) - 0.3),
     coarse: ["step 50 ms", "step 100 ms"],
@@ -81,19 +81,24 @@ const FORMATION: Script = Script {
 };
 
 fn fixtures() -> PathBuf {
-    repository().join("tests/section_two")
+    repository().join("tests/missions")
 }
 
-/// A folder with the scripts, their tables, and the stand-ins that the script and its part name.
+/// A folder with the script and its part, the tables, and the stand-ins that these name.
 fn home(script: &Script) -> TempDir {
     let home = tempfile::tempdir().unwrap();
     fs::create_dir(home.path().join("units")).unwrap();
     fs::create_dir(home.path().join("ref")).unwrap();
-    let text = ["uav.scn", script.file].map(|file| fs::read_to_string(fixtures().join(file)).unwrap()).concat();
+    let text = ["uav.scn", script.file].map(|file| {
+        let text = fs::read_to_string(repository().join("dsl/corpus/parse").join(file)).unwrap();
+        fs::write(home.path().join(file), &text).unwrap();
+        text
+    });
+    let text = text.concat();
     for file in names(&fixtures()).iter().chain([&"ref/crossing.csv".to_owned()]) {
         let source = fixtures().join(file);
         match source.extension().map(|extension| extension.to_str().unwrap()) {
-            Some("scn" | "csv") => drop(fs::copy(&source, home.path().join(file)).unwrap()),
+            Some("csv") => drop(fs::copy(&source, home.path().join(file)).unwrap()),
             Some("c") if text.contains(&format!("\"{}\"", file.trim_end_matches(".c"))) => {
                 stand_ins::pack(&source, &home.path().join("units"));
             }
