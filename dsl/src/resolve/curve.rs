@@ -7,7 +7,7 @@ use super::meaning::{Meaning, Measure, Real, Text};
 use super::measure::unit_name;
 use super::real;
 use super::scale::Scale;
-use super::scope::Scope;
+use super::scope::{Scope, SiCurve};
 use crate::diagnostic::Diagnostic;
 use crate::loader::{Table, TableColumn};
 use crate::nearest::nearest;
@@ -107,7 +107,8 @@ impl Scope<'_, '_> {
             _ => return None,
         };
         let RealExpression::Curve(curve) = &**of else { return None };
-        let key = (Arc::as_ptr(curve) as usize, [factor, offset].map(f64::to_bits), divides);
+        let (factor_bits, offset_bits) = (factor.to_bits(), offset.to_bits());
+        let key = SiCurve { of: Arc::as_ptr(curve) as usize, factor_bits, offset_bits, divides };
         let si = |value: f64| if divides { (value - offset) / factor } else { factor * value + offset };
         let convert = || {
             let rows = curve.rows.iter().map(|(time_s, value)| (*time_s, si(*value))).collect();

@@ -47,12 +47,23 @@ pub(super) struct Shared<'a> {
     pub(super) driven_by: RefCell<BTreeMap<Port, Span>>,
     /// The tables of `curve`, by the text that names them and the path.
     pub(super) tables: RefCell<BTreeMap<(u32, String), Loaded>>,
-    /// Curves in SI, by the curve that they are converted from, factor and offset, and whether these divide.
-    pub(super) si_curves: RefCell<BTreeMap<(usize, [u64; 2], bool), Arc<Curve>>>,
+    /// Curves in SI.
+    pub(super) si_curves: RefCell<BTreeMap<SiCurve, Arc<Curve>>>,
     /// The places of the declared names that something refers to.
     pub(super) used: RefCell<BTreeSet<Span>>,
     /// The units of measure that loaded units define, each meaning with the first instance whose unit does.
     pub(super) loaded: OnceCell<BTreeMap<String, Vec<(BaseUnit, usize)>>>,
+}
+
+/// A curve in SI: what it is converted from, and how.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct SiCurve {
+    /// The address of the curve that is converted.
+    pub of: usize,
+    pub factor_bits: u64,
+    pub offset_bits: u64,
+    /// Whether the conversion subtracts the offset and divides by the factor.
+    pub divides: bool,
 }
 
 /// The meanings of names, by the frame that declares them; `None` if there is none.
