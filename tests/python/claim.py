@@ -177,14 +177,11 @@ class Window:
 
 
 def always(window, claim, ticks):
-    def write(formula, is_gate):
-        body = claim.write(formula, is_gate)
-        if window.is_cut(formula, claim.horizon):
-            body = f"{formula.place('leaves', claim.horizon)} implies ({body})"
-        return window.written(formula, lambda interval: f"always{interval} ({body})", ticks, claim.horizon)
+    return temporal("always", "implies", window, claim, ticks)
 
-    script = f"always{window.script()} ({claim.script})"
-    return composed(f"always{window.name()}", script, window.horizon(claim.horizon), write, claim)
+
+def eventually(window, claim, ticks):
+    return temporal("eventually", "and", window, claim, ticks)
 
 
 def hold_for(duration, claim, ticks):
@@ -192,15 +189,17 @@ def hold_for(duration, claim, ticks):
     return composed("hold for", f"hold for {duration} s ({claim.script})", same.horizon, same.write, claim)
 
 
-def eventually(window, claim, ticks):
+def temporal(word, where_it_leaves, window, claim, ticks):
+    """`where_it_leaves` joins what does not count behind the window with the claim."""
+
     def write(formula, is_gate):
         body = claim.write(formula, is_gate)
         if window.is_cut(formula, claim.horizon):
-            body = f"{formula.place('leaves', claim.horizon)} and ({body})"
-        return window.written(formula, lambda interval: f"eventually{interval} ({body})", ticks, claim.horizon)
+            body = f"{formula.place('leaves', claim.horizon)} {where_it_leaves} ({body})"
+        return window.written(formula, lambda interval: f"{word}{interval} ({body})", ticks, claim.horizon)
 
-    script = f"eventually{window.script()} ({claim.script})"
-    return composed(f"eventually{window.name()}", script, window.horizon(claim.horizon), write, claim)
+    script = f"{word}{window.script()} ({claim.script})"
+    return composed(f"{word}{window.name()}", script, window.horizon(claim.horizon), write, claim)
 
 
 def until(window, claim, gate, ticks):

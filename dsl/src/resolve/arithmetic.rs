@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use super::fit::with_unit;
 use super::meaning::{Meaning, Measure, Real, UnitName};
 use super::measure::quantity;
 use super::real;
@@ -161,8 +162,7 @@ impl Scope<'_, '_> {
         let wants = |(value, span): (&Real, Span), (other, _): (&Real, Span)| {
             let unit = other.unit.as_ref().map(|unit| unit.unit.name.clone()).filter(|name| !name.is_empty())?;
             let is_plain = value.measure == Measure::PLAIN && value.constant().is_some();
-            let literal = self.text(span).parse::<f64>().is_ok();
-            (is_plain && literal).then(|| format!("`{0}` has no unit: write `{0} {unit}`", self.text(span)))
+            is_plain.then(|| with_unit(&self.text(span), &unit))
         };
         match wants(pair.left, pair.right).or_else(|| wants(pair.right, pair.left)) {
             Some(help) => error.help(help),

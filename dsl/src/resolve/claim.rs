@@ -56,7 +56,7 @@ impl Scope<'_, '_> {
         Some(Claim {
             name: name.clone(),
             text: self.text(claim.span),
-            part: self.script.frames.is_in_part(self.frame()).then(|| self.file_name(*span).to_owned()),
+            part_file: self.script.frames.is_in_part(self.frame()).then(|| self.file_name(*span).to_owned()),
             line: self.line(*span),
             formula: condition.formula(false),
             unit: bounds.first().map(|(bound, _)| bound.unit.clone()),

@@ -6,8 +6,7 @@ use fmi2::description::Kind;
 use fmi2::units::BaseUnit;
 
 use super::assign::Role;
-use super::fit::Meeting;
-use super::fit::with_unit;
+use super::fit::{Meeting, with_unit};
 use super::grid::Least;
 use super::meaning::{Meaning, Measure};
 use super::measure::quantity;

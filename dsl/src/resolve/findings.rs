@@ -29,6 +29,13 @@ impl Remedy {
         Self { help: format!("did you mean `{near}`?"), fix: Some(fix) }
     }
 
+    /// A finding with this remedy.
+    pub fn of(self, diagnostic: Diagnostic) -> Diagnostic {
+        let mut diagnostic = diagnostic.help(self.help);
+        diagnostic.fixes.extend(self.fix);
+        diagnostic
+    }
+
     /// The same with more to say.
     pub fn saying(self, more: &str) -> Self {
         Self { help: format!("{} {more}", self.help), ..self }
@@ -83,11 +90,7 @@ impl Findings {
         let finish = |Finding { diagnostic, search }: Finding| {
             errors += usize::from(diagnostic.is_error());
             match search.filter(|_| errors <= SHOWN).and_then(|(frame, search)| search(scope.at(frame))) {
-                Some(Remedy { help, fix }) => {
-                    let mut diagnostic = diagnostic.help(help);
-                    diagnostic.fixes.extend(fix);
-                    diagnostic
-                }
+                Some(remedy) => remedy.of(diagnostic),
                 None => diagnostic,
             }
         };

@@ -7,6 +7,7 @@ use fmi2::units::Dimension;
 use super::arithmetic::{Pair, is_vector, preferred};
 use super::comparison::MOST_PARTS;
 use super::condition::Condition;
+use super::findings::Remedy;
 use super::meaning::{Meaning, Measure, Real, Text, real_size};
 use super::measure::quantity;
 use super::real;
@@ -14,7 +15,7 @@ use super::running::RUNNING;
 use super::scale::Scale;
 use super::scope::Scope;
 use super::sweep::DISTRIBUTIONS;
-use crate::diagnostic::{Diagnostic, Edit};
+use crate::diagnostic::Diagnostic;
 use crate::nearest::nearest;
 use crate::scenario::{self, BooleanExpression, Function};
 use crate::source::{FileRef, Span};
@@ -51,9 +52,7 @@ impl Scope<'_, '_> {
         if !NAMES.contains(&name) {
             let error = Diagnostic::error("E01", function.span, format!("there is no function `{name}`"));
             return self.refuse(match nearest(name, NAMES.into_iter().chain(RUNNING)) {
-                Some(near) => error
-                    .help(format!("did you mean `{near}`?"))
-                    .fix(format!("write `{near}`"), [Edit::new(function.span, near)]),
+                Some(near) => Remedy::meant(near, function.span).of(error),
                 None => error.help(format!("the functions are {} {}", NAMES.join(" "), RUNNING.join(" "))),
             });
         }

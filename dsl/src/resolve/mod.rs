@@ -122,14 +122,14 @@ pub struct Request<'a> {
     /// Assignments of the command line, in order; a later one counts.
     pub settings: &'a [Binding],
     /// The case of the sweep that gives parameters their values; `None` for their own values.
-    pub case: Option<Case>,
+    pub case: Option<AskedCase>,
     /// Whether each instance will have a process of its own.
     pub isolated: bool,
 }
 
 /// A case that the command line asks for.
 #[derive(Clone, Copy, Debug)]
-pub struct Case {
+pub struct AskedCase {
     /// Its number, from 0.
     pub number: u64,
     /// Where the number is written.

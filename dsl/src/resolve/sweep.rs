@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use super::findings::Remedy;
 use super::meaning::{Meaning, Real};
 use super::range::{Counting, counting, no_values};
 use super::scale::Scale;
@@ -139,9 +140,7 @@ impl Scope<'_, '_> {
         let names: Vec<_> = parameters.map(|(name, _)| name).filter(|name| *name != "seed").chain(["seed"]).collect();
         let error = Diagnostic::error("E01", word.span, format!("the script has no parameter `{name}`"));
         match nearest(name, names.iter().copied()) {
-            Some(near) => error
-                .help(format!("did you mean `{near}`?"))
-                .fix(format!("write `{near}`"), [Edit::new(word.span, near)]),
+            Some(near) => Remedy::meant(near, word.span).of(error),
             None => error.help(format!("its parameters are {}", names.join(", "))),
         }
     }

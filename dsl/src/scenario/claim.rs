@@ -11,7 +11,7 @@ pub struct Claim {
     /// The claim as written, on one line.
     pub text: String,
     /// The file of the `assert`, without its folders, if that is a part.
-    pub part: Option<String>,
+    pub part_file: Option<String>,
     /// Line of the `assert` in its file, from 1.
     pub line: usize,
     /// What must hold at tick 0.
@@ -30,8 +30,18 @@ impl Claim {
     /// A claim of which nothing but its meaning is known.
     #[must_use]
     pub fn of(formula: Formula) -> Self {
-        let (name, text, part, line) = (String::new(), String::new(), None, 1);
-        Self { name, text, part, line, formula, unit: None, limit: None, parts: Vec::new(), gates: Vec::new() }
+        let (name, text, line) = (String::new(), String::new(), 1);
+        Self {
+            name,
+            text,
+            part_file: None,
+            line,
+            formula,
+            unit: None,
+            limit: None,
+            parts: Vec::new(),
+            gates: Vec::new(),
+        }
     }
 }
 

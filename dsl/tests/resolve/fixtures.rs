@@ -11,7 +11,7 @@ use dsl::diagnostic::{Diagnostic, render};
 use dsl::loader::{Loader, Problem, Table, TableColumn};
 use dsl::parse::{parse, parse_assignment};
 use dsl::parts::Parts;
-use dsl::resolve::{Case, Request, Resolved, resolve};
+use dsl::resolve::{AskedCase, Request, Resolved, resolve};
 use dsl::scenario::Scenario;
 use dsl::source::{Source, Sources, Span};
 
@@ -132,7 +132,7 @@ fn attempt(script: &str, settings: &[&str], case: Option<u64>) -> Result<Outcome
     let case = case.map(|number| {
         let written = number.to_string();
         let end = u32::try_from(written.len()).expect("a short text");
-        Case { number, place: Span { text: sources.add("--case", written), start: 0, end } }
+        AskedCase { number, place: Span { text: sources.add("--case", written), start: 0, end } }
     });
     let (file, loader) = (&parsed.file, &Memory);
     let parts = Parts::load(&mut sources, file, loader);

@@ -73,7 +73,7 @@ fn a_limit_without_unit_gets_the_unit_to_write_as_help() {
       |                  |
       |                  a plain number
       |
-      = help: `0` has no unit: write `0 ft`
+      = help: write the unit: `0 ft`
     "#);
 }
 

@@ -7,7 +7,7 @@ use dsl::diagnostic::{Diagnostic, Severity, render};
 use dsl::loader::{Loader, Problem, Table, TableColumn};
 use dsl::parse::{parse, parse_assignment};
 use dsl::parts::Parts;
-use dsl::resolve::{Case, Request, resolve};
+use dsl::resolve::{AskedCase, Request, resolve};
 use dsl::scenario::{Scenario, Value};
 use dsl::source::{FileRef, Source, Sources, Span};
 use dsl::syntax::{Binding, File};
@@ -149,17 +149,17 @@ impl Script {
     }
 
     /// A case whose number has a place for diagnostics.
-    fn case(&mut self, number: u64) -> Case {
+    fn case(&mut self, number: u64) -> AskedCase {
         let written = number.to_string();
         let end = u32::try_from(written.len()).unwrap_or_default();
         let text = self.sources.add("--case", written);
-        Case { number, place: Span { text, start: 0, end } }
+        AskedCase { number, place: Span { text, start: 0, end } }
     }
 
     fn resolve(
         &mut self,
         file: &File,
-        (settings, case): (&[Binding], Option<Case>),
+        (settings, case): (&[Binding], Option<AskedCase>),
         catalogue: &Catalogue,
         isolated: bool,
     ) {

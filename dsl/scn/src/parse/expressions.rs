@@ -141,7 +141,7 @@ impl Walk<'_> {
             let tolerance =
                 parts.next_if(|part| part.as_rule() == Rule::tol).map(|_| self.expression(next(&mut parts)));
             let tolerance_time = parts.next_if(|part| part.as_rule() == Rule::tol_time);
-            let tolerance_time = tolerance_time.map(|part| self.expression(last(part)));
+            let tolerance_time = tolerance_time.map(|part| self.clause(part));
             let (operator, operator_span) = (comparator(operator.as_str()), self.span(&operator));
             rest.push(ComparisonLink { operator, operator_span, operand, tolerance, tolerance_time });
         }
@@ -229,10 +229,4 @@ fn comparator(written: &str) -> Comparator {
         "==" => Comparator::Equal,
         _ => Comparator::NotEqual,
     }
-}
-
-/// The operand behind the keyword of a clause.
-fn last(clause: Pair<'_, Rule>) -> Pair<'_, Rule> {
-    let Some(operand) = clause.into_inner().last() else { unreachable!("a clause has an operand") };
-    operand
 }

@@ -239,9 +239,9 @@ impl<'a> Walk<'a> {
         Axis { name, drawn, values: self.expression(next(&mut parts)) }
     }
 
-    /// The operand of `every`, `held` or `lasting`.
-    fn clause(&mut self, pair: Pair<'_, Rule>) -> Expression {
-        let operand = only_part(pair);
+    /// The operand of a clause, which stands behind its keyword: of `every`, `held`, `lasting`, or `within` behind `± d`.
+    pub(super) fn clause(&mut self, pair: Pair<'_, Rule>) -> Expression {
+        let Some(operand) = pair.into_inner().last() else { unreachable!("a clause has an operand") };
         self.expression(operand)
     }
 

@@ -9,7 +9,7 @@ use crate::random::Draws;
 use crate::resolve::frame::FrameId;
 use crate::resolve::meaning::Meaning;
 use crate::resolve::sweep::Values;
-use crate::scenario::{self, Sweep};
+use crate::scenario::{Case, Sweep};
 use crate::source::Span;
 use crate::syntax::Axis;
 
@@ -67,7 +67,7 @@ impl<'a> Elaboration<'a> {
         let sets_seed = || self.request.settings.iter().any(|setting| setting.name.text == "seed");
         let sweeps_seed = || axes.iter().any(|(axis, _)| axis.name.text == "seed");
         let draw_seed = Some(seed).filter(|_| draws && sweeps_seed() && sets_seed());
-        self.script.cases = Some(Sweep { cases, case: Some(scenario::Case { number: case.number, draw_seed }) });
+        self.script.cases = Some(Sweep { cases, case: Some(Case { number: case.number, draw_seed }) });
         Some(values_of(case.number, cases, &axes, seed))
     }
 

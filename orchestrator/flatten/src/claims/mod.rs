@@ -52,7 +52,7 @@ pub fn info(claim: &Claim) -> ClaimInfo {
     ClaimInfo {
         name: claim.name.clone(),
         text: claim.text.clone(),
-        part_file: claim.part.clone(),
+        part_file: claim.part_file.clone(),
         line: claim.line,
         unit,
         limit,
