@@ -55,6 +55,24 @@ pub struct Inputs {
     pub effectiveness: [f64; 4],
 }
 
+/// A number of the state that is not finite: the integration has diverged, or an input is too large for an `f64`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NotFinite {
+    quantity: &'static str,
+    /// Counted from 1.
+    number: usize,
+    value: f64,
+}
+
+impl core::fmt::Display for NotFinite {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self { quantity, number, value } = self;
+        write!(f, "number {number} of the {quantity} became {value}")
+    }
+}
+
+impl std::error::Error for NotFinite {}
+
 /// The complete state from which the next step starts.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct State {
@@ -86,21 +104,44 @@ impl State {
         }
     }
 
-    /// Advances the state by `count` inner steps of `inner_s`, at most [`INNER_STEP_S`] each, with the inputs held.
+    /// Advances the state by inner steps of `inner_s`, at most [`INNER_STEP_S`] each, with the inputs held. `samples` gives
+    /// for each inner step how many samples of the turbulence are due until its end.
+    ///
+    /// # Errors
+    /// The first number of the state that is not finite.
     pub fn step(
         &mut self,
         parameters: &Parameters,
         inputs: &Inputs,
-        count: u32,
         inner_s: f64,
+        samples: impl Iterator<Item = u64>,
         turbulence: &mut GroundTurbulence,
-    ) {
+    ) -> Result<(), NotFinite> {
         let plant = Plant::new(parameters);
-        for _ in 0..count {
+        for samples in samples {
             *self = plant.runge_kutta_step(self, inputs, turbulence.fluctuation(parameters.ground_turbulence), inner_s);
+            self.check_finite()?;
             contact::settle(&mut self.body, inner_s);
-            turbulence.advance(inner_s);
+            turbulence.draw(samples, parameters.ground_turbulence_sample_time_s);
         }
+        Ok(())
+    }
+
+    fn check_finite(&self) -> Result<(), NotFinite> {
+        let vehicle::State { position_m, attitude, velocity_world_m_s, rate_body_rad_s } = &self.body;
+        let numbers: [(&'static str, &[f64]); 5] = [
+            ("position", position_m.as_slice()),
+            ("attitude", attitude.coords.as_slice()),
+            ("velocity", velocity_world_m_s.as_slice()),
+            ("rate", rate_body_rad_s.as_slice()),
+            ("rotor speed", &self.rotor_speed_rad_s),
+        ];
+        for (quantity, numbers) in numbers {
+            if let Some(index) = numbers.iter().position(|number| !number.is_finite()) {
+                return Err(NotFinite { quantity, number: index + 1, value: numbers[index] });
+            }
+        }
+        Ok(())
     }
 
     /// Advances the state by a duration that is a multiple of [`INNER_STEP_S`].
@@ -114,7 +155,9 @@ impl State {
     ) {
         let count = (duration_s / INNER_STEP_S).round();
         assert!((count * INNER_STEP_S - duration_s).abs() < 1e-9, "{duration_s} s");
-        self.step(parameters, inputs, count as u32, INNER_STEP_S, turbulence);
+        let parameters = Parameters { ground_turbulence_sample_time_s: INNER_STEP_S, ..parameters.clone() };
+        let samples = std::iter::repeat_n(1, count as usize);
+        assert_eq!(self.step(&parameters, inputs, INNER_STEP_S, samples, turbulence), Ok(()));
     }
 
     /// Returns the sum of the rotors' thrusts in N for this state and these inputs.

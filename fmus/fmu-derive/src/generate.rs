@@ -36,7 +36,7 @@ pub fn visits(fields: &[Field]) -> Vec<TokenStream> {
 }
 
 fn declaration(field: &Field, port: &PortAttribute) -> TokenStream {
-    let role = role(port);
+    let role = role(field, port);
     let description = match (port.role, field.description.as_str()) {
         (Role::Port, "") => quote!(declaration_of_group.description),
         (_, text) => quote!(#text),
@@ -65,10 +65,10 @@ fn declaration(field: &Field, port: &PortAttribute) -> TokenStream {
     }
 }
 
-fn role(port: &PortAttribute) -> TokenStream {
+fn role(field: &Field, port: &PortAttribute) -> TokenStream {
     let names = |list: &[Dependency]| {
         let names = list.iter().map(Dependency::name);
-        quote!(visitor.scoped(&[#(#names),*]))
+        quote!(visitor.full_names(&[#(#names),*]))
     };
     match (port.role, &port.exact) {
         (Role::Input, _) => quote!(::fmu::Role::Input),
@@ -81,7 +81,10 @@ fn role(port: &PortAttribute) -> TokenStream {
             let depends = port.depends.as_deref().unwrap_or_default();
             let depends_at_start = names(port.depends_at_start.as_deref().unwrap_or(depends));
             let depends = names(depends);
-            quote!(::fmu::Role::CalculatedOutput { depends: #depends, depends_at_start: #depends_at_start })
+            let name = field.name();
+            quote!(::fmu::Role::CalculatedOutput {
+                field: visitor.full_name(#name), depends: #depends, depends_at_start: #depends_at_start,
+            })
         }
         (Role::Local, Some(_)) => quote!(::fmu::Role::ExactLocal),
         (Role::Local | Role::Group, _) => quote!(::fmu::Role::CalculatedLocal),

@@ -4,29 +4,64 @@
 //! checked.
 #![allow(unsafe_code, reason = "scalars are reached through offsets, one table look-up each")]
 
+use crate::describe::Described;
 use crate::library::{Library, Unit};
+use crate::model::{Context, Fault, Outcome};
 use crate::port::FmiEnum;
 use crate::slots::{IntegerAccess, Slots};
+use crate::step::Step;
 use crate::visitor::EnumerationAccess;
+use std::sync::Arc;
 
 /// A unit at a fixed address in memory, with the table of its scalars.
 pub(crate) struct Body {
     /// From `Box::into_raw`; freed in `drop`.
     unit: *mut dyn Unit,
-    slots: &'static Slots,
+    described: Arc<Described>,
 }
 
 impl Body {
     /// A new unit at its start values.
     pub(crate) fn new(library: &'static Library) -> Self {
-        let slots = &library.described().slots;
+        let described = library.described();
         let unit = library.make();
-        assert!(unit.size() == slots.size, "the table of slots belongs to another unit");
-        Self { unit: Box::into_raw(unit), slots }
+        assert!(unit.size() == described.slots.size, "the table of slots belongs to another unit");
+        Self { unit: Box::into_raw(unit), described }
     }
 
-    pub(crate) fn slots(&self) -> &'static Slots {
-        self.slots
+    pub(crate) fn described(&self) -> &Arc<Described> {
+        &self.described
+    }
+
+    #[inline]
+    pub(crate) fn slots(&self) -> &Slots {
+        &self.described.slots
+    }
+
+    /// Initializes the unit and computes its outputs.
+    pub(crate) fn init(&mut self, context: &mut Context) -> Result<(), Fault> {
+        self.unit_mut().init(context)?;
+        self.outputs(context.start_s)
+    }
+
+    /// Makes a step and computes the outputs at the time up to which it was made.
+    pub(crate) fn step(&mut self, step: Step, context: &mut Context) -> Result<Outcome, Fault> {
+        let outcome = self.unit_mut().step(step, context)?;
+        match outcome {
+            Outcome::Done => self.outputs(step.end_s())?,
+            Outcome::AcceptedUntil(time_s) | Outcome::Terminated(time_s) => self.outputs(time_s)?,
+        }
+        Ok(outcome)
+    }
+
+    /// Computes the outputs and checks that they are finite.
+    pub(crate) fn outputs(&mut self, time_s: f64) -> Result<(), Fault> {
+        self.unit_mut().outputs(time_s)?;
+        let slots = self.slots();
+        match slots.computed_reals.iter().find(|&&index| !self.real(index).is_finite()) {
+            None => Ok(()),
+            Some(&index) => Err(Fault::new(format!("`{}` became {}", slots.reals[index].name, self.real(index)))),
+        }
     }
 
     pub(crate) fn unit(&self) -> &dyn Unit {
@@ -48,18 +83,18 @@ impl Body {
     #[inline]
     pub(crate) fn real(&self, index: usize) -> f64 {
         // SAFETY: by the contract of `Port` a live `f64` lies at the offset of a Real.
-        unsafe { self.place(self.slots.reals[index].offset).cast::<f64>().read() }
+        unsafe { self.place(self.slots().reals[index].offset).cast::<f64>().read() }
     }
 
     #[inline]
     pub(crate) fn set_real(&mut self, index: usize, value: f64) {
         // SAFETY: as in `real`; `&mut self` excludes other accesses.
-        unsafe { self.place(self.slots.reals[index].offset).cast::<f64>().write(value) }
+        unsafe { self.place(self.slots().reals[index].offset).cast::<f64>().write(value) }
     }
 
     #[inline]
     pub(crate) fn integer(&self, index: usize) -> i32 {
-        let slot = &self.slots.integers[index];
+        let slot = &self.slots().integers[index];
         let place = self.place(slot.offset);
         match &slot.access {
             // SAFETY: by the contract of `Port` a live `i32` lies at the offset of an Integer.
@@ -72,7 +107,7 @@ impl Body {
     /// The caller has checked that the value is one of the slot's.
     #[inline]
     pub(crate) fn set_integer(&mut self, index: usize, value: i32) {
-        let slot = &self.slots.integers[index];
+        let slot = &self.slots().integers[index];
         let place = self.place(slot.offset);
         match &slot.access {
             // SAFETY: as in `integer`; `&mut self` excludes other accesses.
@@ -88,23 +123,23 @@ impl Body {
     #[inline]
     pub(crate) fn boolean(&self, index: usize) -> bool {
         // SAFETY: by the contract of `Port` a live `bool` lies at the offset of a Boolean.
-        unsafe { self.place(self.slots.booleans[index].offset).cast::<bool>().read() }
+        unsafe { self.place(self.slots().booleans[index].offset).cast::<bool>().read() }
     }
 
     #[inline]
     pub(crate) fn set_boolean(&mut self, index: usize, value: bool) {
         // SAFETY: as in `boolean`; `&mut self` excludes other accesses.
-        unsafe { self.place(self.slots.booleans[index].offset).cast::<bool>().write(value) }
+        unsafe { self.place(self.slots().booleans[index].offset).cast::<bool>().write(value) }
     }
 
     pub(crate) fn string(&self, index: usize) -> &str {
         // SAFETY: by the contract of `Port` a live `String` lies at the offset of a String.
-        unsafe { &*self.place(self.slots.strings[index].offset).cast::<String>() }
+        unsafe { &*self.place(self.slots().strings[index].offset).cast::<String>() }
     }
 
     pub(crate) fn set_string(&mut self, index: usize, value: &str) {
         // SAFETY: as in `string`; `&mut self` excludes other accesses.
-        let text = unsafe { &mut *self.place(self.slots.strings[index].offset).cast::<String>() };
+        let text = unsafe { &mut *self.place(self.slots().strings[index].offset).cast::<String>() };
         value.clone_into(text);
     }
 }

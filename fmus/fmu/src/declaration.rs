@@ -15,6 +15,8 @@ pub enum Role {
     ExactOutput,
     /// An output that the unit computes.
     CalculatedOutput {
+        /// The full name of the field that declares it.
+        field: String,
         /// Its dependencies at a communication point.
         depends: Vec<String>,
         /// The dependencies of its initial value.

@@ -25,6 +25,9 @@ pub(crate) struct Described {
     pub(crate) permissions: Vec<[Permission; Call::ALL.len() + 1]>,
 }
 
+/// `generationDateAndTime`, the same for all, so that equal sources give equal bytes: the earliest that an archive can say.
+const GENERATED: &str = "1980-01-01T00:00:00Z";
+
 /// Describes a model.
 pub(crate) fn describe<M: Model>(package: &Package) -> Described {
     let scalars = scalars::<M>();
@@ -35,8 +38,10 @@ pub(crate) fn describe<M: Model>(package: &Package) -> Described {
         description: text(M::DESCRIPTION),
         author: text(&package.authors.replace(':', ", ")),
         version: text(package.version),
+        copyright: copyright(package.authors),
         license: text(package.license),
         generation_tool: Some(concat!("Lockstep ", env!("CARGO_PKG_VERSION")).to_owned()),
+        generation_date_and_time: Some(GENERATED.to_owned()),
         variable_naming_convention: NamingConvention::Structured,
         co_simulation: Some(capabilities(package)),
         units: unit_definitions(&scalars),
@@ -61,6 +66,12 @@ fn permissions() -> Vec<[Permission; Call::ALL.len() + 1]> {
         row
     };
     State::ALL.into_iter().map(row).collect()
+}
+
+/// The authors without their addresses; cargo separates them by colons.
+fn copyright(authors: &str) -> Option<String> {
+    let names: Vec<_> = authors.split(':').filter_map(|author| author.split('<').next()).map(str::trim).collect();
+    (!authors.is_empty()).then(|| format!("Copyright {}", names.join(", ")))
 }
 
 fn text(text: &str) -> Option<String> {
@@ -227,7 +238,7 @@ fn structure(scalars: &[Scalar]) -> ModelStructure {
         let known = |known: &Scalar| known.declaration.role == Role::Input;
         match &scalar.declaration.role {
             Role::ExactOutput => structure.outputs.push(unknown(index, vec![])),
-            Role::CalculatedOutput { depends, depends_at_start } => {
+            Role::CalculatedOutput { depends, depends_at_start, .. } => {
                 structure.outputs.push(unknown(index, dependencies(scalars, scalar, depends, known)));
                 let at_start =
                     dependencies(scalars, scalar, depends_at_start, |known| known.declaration.role.has_start());
@@ -245,14 +256,11 @@ fn unknown(index: usize, dependencies: Vec<usize>) -> Unknown {
 
 /// The known scalars that are named, singly or by their group.
 fn dependencies(scalars: &[Scalar], of: &Scalar, names: &[String], known: impl Fn(&Scalar) -> bool) -> Vec<usize> {
-    let is_named = |scalar: &Scalar, name: &str| {
-        scalar.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
-    };
     for name in names {
-        let exists = scalars.iter().any(|scalar| is_named(scalar, name));
+        let exists = scalars.iter().any(|scalar| scalar.is_named(name));
         assert!(exists, "`{}` depends on `{name}`, which is no port of the unit", of.name);
     }
     let indexed = scalars.iter().enumerate();
-    let named = indexed.filter(|(_, scalar)| known(scalar) && names.iter().any(|name| is_named(scalar, name)));
+    let named = indexed.filter(|(_, scalar)| known(scalar) && names.iter().any(|name| scalar.is_named(name)));
     named.map(|(index, _)| index).collect()
 }

@@ -55,8 +55,9 @@ macro_rules! export {
             fmi2GetStringStatus(kind: i32, value: *mut *const c_char) = string_status(kind, value);
         }
         $crate::export_tests! { LIBRARY:
-            outputs_move_only_with_what_they_declare
+            outputs_depend_on_what_they_declare
             the_description_keeps_every_rule_of_the_standard
+            finite_values_give_finite_outputs_or_a_fault
             init_can_be_repeated
             a_saved_state_goes_on_bit_for_bit
         }

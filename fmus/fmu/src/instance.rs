@@ -41,7 +41,7 @@ pub(crate) struct Progress {
     pub(crate) now: Time,
     /// Whether the unit has terminated.
     pub(crate) ended: bool,
-    /// Whether a value was set in initialization mode that the outputs do not reflect yet.
+    /// Whether a value was set that the outputs do not reflect yet.
     pub(crate) stale: bool,
 }
 
@@ -91,7 +91,7 @@ impl Instance {
         if self.poisoned && !left_after_a_panic {
             return Permission::No;
         }
-        self.library.described().permissions[self.progress.state as usize][call as usize]
+        self.body.described().permissions[self.progress.state as usize][call as usize]
     }
 
     fn why_not(&self) -> Refusal {
@@ -136,15 +136,28 @@ impl Instance {
         Ok(Status::Warning)
     }
 
-    /// Updates the outputs after a set call in initialization mode.
+    /// Updates the outputs after a set call.
     #[inline]
     pub(crate) fn refresh(&mut self) -> Result<Status, Refusal> {
-        if self.progress.stale { self.initialize() } else { Ok(Status::Ok) }
+        if self.progress.stale { self.update() } else { Ok(Status::Ok) }
+    }
+
+    fn update(&mut self) -> Result<Status, Refusal> {
+        match self.progress.state {
+            State::InitializationMode => self.initialize(),
+            State::StepComplete | State::Terminated => {
+                let time_s = self.progress.now.as_s();
+                self.body.outputs(time_s).map_err(|fault| Refusal::Outputs { time_s, fault })?;
+                self.progress.stale = false;
+                Ok(Status::Ok)
+            }
+            _ => Ok(Status::Ok),
+        }
     }
 
     fn initialize(&mut self) -> Result<Status, Refusal> {
         let mut context = self.context();
-        let started = self.body.unit_mut().init(&mut context);
+        let started = self.body.init(&mut context);
         let status = self.send_messages(context);
         started.map_err(|fault| Refusal::Start { fault })?;
         self.progress.stale = false;
@@ -161,7 +174,8 @@ impl Instance {
         let step = Step::new(start, length);
         self.check_stop(&step)?;
         let mut context = self.context();
-        let outcome = self.body.unit_mut().step(step, &mut context);
+        self.progress.stale = false;
+        let outcome = self.body.step(step, &mut context);
         let status = self.send_messages(context);
         let (start_s, end_s) = (step.start_s(), step.end_s());
         match outcome {

@@ -32,6 +32,8 @@ pub use fmi2;
 pub use fmu_derive::{FmiEnum, Fmu, Group};
 pub use library::{Library, Package};
 pub use model::{Context, Fault, Model, Outcome};
+pub use models::random;
+pub use nalgebra;
 pub use port::{FmiEnum, NoBound, Port};
 pub use step::{Parts, Samples, Step};
 pub use visitor::Visitor;

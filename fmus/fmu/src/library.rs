@@ -5,7 +5,7 @@ use crate::model::{Context, Fault, Model, Outcome};
 use crate::step::Step;
 use crate::visitor::{Scalar, Visitor};
 use std::any::Any;
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// Cargo metadata of the unit's crate; [`export!`](crate::export) fills it in.
 #[derive(Clone, Copy, Debug)]
@@ -20,13 +20,17 @@ pub struct Package {
     pub license: &'static str,
 }
 
-/// A unit's library: how to create a unit, and its description, built on first use.
+/// A unit's library: how to create a unit, and its description.
+///
+/// The description is built for the first instance and freed with the last one, so that nothing of it remains when an
+/// importer unloads the library.
 #[derive(Debug)]
 pub struct Library {
     package: Package,
     make: fn() -> Box<dyn Unit>,
     describe: fn(&Package) -> Described,
-    described: OnceLock<Described>,
+    scalars: fn() -> Vec<Scalar>,
+    described: Mutex<Weak<Described>>,
 }
 
 impl Library {
@@ -37,7 +41,8 @@ impl Library {
             package,
             make: || Box::new(M::at_start()),
             describe: describe::describe::<M>,
-            described: OnceLock::new(),
+            scalars: scalars::<M>,
+            described: Mutex::new(Weak::new()),
         }
     }
 
@@ -47,14 +52,24 @@ impl Library {
     }
 
     /// Everything that follows from the declarations.
-    pub(crate) fn described(&self) -> &Described {
-        self.described.get_or_init(|| (self.describe)(&self.package))
+    pub(crate) fn described(&self) -> Arc<Described> {
+        let mut known = self.described.lock().unwrap_or_else(PoisonError::into_inner);
+        known.upgrade().unwrap_or_else(|| {
+            let described = Arc::new((self.describe)(&self.package));
+            *known = Arc::downgrade(&described);
+            described
+        })
+    }
+
+    /// The scalars of the unit, in the order of its description.
+    pub(crate) fn scalars(&self) -> Vec<Scalar> {
+        (self.scalars)()
     }
 
     /// `modelDescription.xml`.
     #[must_use]
-    pub fn xml(&self) -> &str {
-        &self.described().xml
+    pub fn xml(&self) -> String {
+        self.described().xml.clone()
     }
 }
 
@@ -62,6 +77,7 @@ impl Library {
 pub(crate) trait Unit: Any + Send {
     fn init(&mut self, context: &mut Context) -> Result<(), Fault>;
     fn step(&mut self, step: Step, context: &mut Context) -> Result<Outcome, Fault>;
+    fn outputs(&mut self, time_s: f64) -> Result<(), Fault>;
     fn duplicate(&self) -> Box<dyn Unit>;
     /// Copies the values of another unit of the same type.
     fn copy_from(&mut self, other: &dyn Unit);
@@ -78,6 +94,10 @@ impl<M: Model> Unit for M {
 
     fn step(&mut self, step: Step, context: &mut Context) -> Result<Outcome, Fault> {
         Model::step(self, step, context)
+    }
+
+    fn outputs(&mut self, time_s: f64) -> Result<(), Fault> {
+        Model::outputs(self, time_s)
     }
 
     fn duplicate(&self) -> Box<dyn Unit> {

@@ -8,7 +8,8 @@ use std::fmt;
 
 /// The behaviour of a unit; its ports come from `#[derive(Fmu)]`.
 pub trait Model: Ports + Clone + Serialize + DeserializeOwned + Send + 'static {
-    /// Computes hidden state and all calculated outputs from parameters, inputs and the start values of exact ports.
+    /// Computes hidden state from parameters, inputs and the start values of exact ports, and every output that
+    /// [`outputs`](Self::outputs) does not compute.
     ///
     /// It runs in initialization mode whenever an output is read after a value was set, and once at the end of that
     /// mode. Therefore its result must not depend on an earlier call of it.
@@ -18,12 +19,27 @@ pub trait Model: Ports + Clone + Serialize + DeserializeOwned + Send + 'static {
     /// A [`Fault`] with the reason why the unit cannot start with these values.
     fn init(&mut self, context: &mut Context) -> Result<(), Fault>;
 
-    /// Advances states and outputs from the start of the step to its end.
+    /// Advances states from the start of the step to its end, and every output that [`outputs`](Self::outputs) does not
+    /// compute.
     ///
     /// # Errors
     ///
     /// A [`Fault`] with the reason why the unit cannot continue; the instance makes no further step.
     fn step(&mut self, step: Step, context: &mut Context) -> Result<Outcome, Fault>;
+
+    /// Computes outputs from states, parameters and inputs at this time in seconds; it changes no state.
+    ///
+    /// It runs after each `init` and each `step`, and when a value is read after another one was set between two steps:
+    /// an output that follows directly from an input is computed here. A unit whose outputs change in `step` only, such as
+    /// a sampled controller, does not need it.
+    ///
+    /// # Errors
+    ///
+    /// A [`Fault`] with the reason why there are no outputs; the instance makes no further step.
+    fn outputs(&mut self, time_s: f64) -> Result<(), Fault> {
+        let _ = time_s;
+        Ok(())
+    }
 }
 
 /// Result of a step.

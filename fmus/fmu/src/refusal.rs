@@ -44,6 +44,8 @@ pub(crate) enum Refusal {
     Start { fault: Fault },
     /// The model could not step.
     Step { start_s: f64, length_s: f64, fault: Fault },
+    /// The model could not compute its outputs after a set.
+    Outputs { time_s: f64, fault: Fault },
     /// The model reported a time outside its step.
     OutsideStep { start_s: f64, end_s: f64, found_s: f64 },
     /// The model made a part of the step.
@@ -67,6 +69,8 @@ impl Refusal {
     pub(crate) fn status(&self) -> Status {
         match self {
             Self::Discarded { .. } | Self::Ended { .. } | Self::NoSuchStatus { .. } => Status::Discard,
+            // Nothing was set and the instance goes on as before.
+            Self::NotFinite { .. } | Self::OutOfBounds { .. } | Self::NoSuchItem { .. } => Status::Discard,
             _ => Status::Error,
         }
     }
@@ -137,6 +141,7 @@ impl Refusal {
             Self::Step { start_s, length_s, fault } => {
                 write!(f, "the step of {length_s} s from {start_s} s failed: {fault}")
             }
+            Self::Outputs { time_s, fault } => write!(f, "there are no outputs at {time_s} s: {fault}"),
             Self::OutsideStep { start_s, end_s, found_s } => {
                 write!(f, "the unit says {found_s} s in a step from {start_s} s to {end_s} s, which is a defect of it")
             }

@@ -122,7 +122,7 @@ impl Instance {
 
     fn header(&self, payload: &[u8]) -> Header {
         Header {
-            guid: self.library.described().description.guid.clone(),
+            guid: self.body.described().description.guid.clone(),
             size: self.body.slots().size as u64,
             checksum: Sha256::digest(payload).into(),
         }

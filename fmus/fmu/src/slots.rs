@@ -1,5 +1,6 @@
 //! The table behind value references: for each base type, the offsets of the scalars and when they may be set.
 
+use crate::declaration::Role;
 use crate::describe::attributes;
 use crate::visitor::{EnumerationAccess, Scalar, ScalarKind};
 use fmi2::calls::{Permission, State, settable};
@@ -11,6 +12,8 @@ pub(crate) struct Slots {
     pub(crate) integers: Vec<IntegerSlot>,
     pub(crate) booleans: Vec<Slot>,
     pub(crate) strings: Vec<Slot>,
+    /// The Reals that the unit computes.
+    pub(crate) computed_reals: Vec<usize>,
     /// Size of the unit's struct in bytes.
     pub(crate) size: usize,
 }
@@ -88,7 +91,8 @@ pub(crate) enum IntegerAccess {
 impl Slots {
     /// The table of these scalars; also the value reference of each.
     pub(crate) fn of(scalars: &[Scalar], size: usize) -> (Self, Vec<u32>) {
-        let mut slots = Self { reals: vec![], integers: vec![], booleans: vec![], strings: vec![], size };
+        let mut slots =
+            Self { reals: vec![], integers: vec![], booleans: vec![], strings: vec![], computed_reals: vec![], size };
         let references = scalars.iter().map(|scalar| slots.add(scalar)).collect();
         (slots, references)
     }
@@ -99,6 +103,9 @@ impl Slots {
         let (min, max) = (declaration.min.unwrap_or(f64::MIN), declaration.max.unwrap_or(f64::MAX));
         let index = match scalar.kind {
             ScalarKind::Real => {
+                if !matches!(declaration.role, Role::Input | Role::Parameter { .. }) {
+                    self.computed_reals.push(self.reals.len());
+                }
                 self.reals.push(RealSlot { offset, min, max, settable, name });
                 self.reals.len() - 1
             }

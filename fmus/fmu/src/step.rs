@@ -107,6 +107,15 @@ impl Step {
         Parts { count: whole, length_s: self.length_s / count }
     }
 
+    /// One of the equal parts of the step, counted from 0; neighbouring parts meet at equal bits.
+    #[must_use]
+    pub fn part(&self, parts: Parts, number: u32) -> Self {
+        let border_s = |number: u32| {
+            if number == parts.count { self.end_s } else { self.start_s + f64::from(number) * parts.length_s }
+        };
+        Self { start_s: border_s(number), length_s: parts.length_s, end_s: border_s(number + 1) }
+    }
+
     /// The numbers of the samples that are due in this step: after its start, up to and including its end.
     ///
     /// Sample n holds on [n·period, (n+1)·period).
@@ -170,6 +179,23 @@ mod tests {
                 let samples = step(f64::from(n) * h, h).samples(period);
                 assert_eq!(samples.start, next, "step {n} of {h} s, period {period} s");
                 next = samples.end;
+            }
+        }
+    }
+
+    #[test]
+    fn every_sample_is_due_in_exactly_one_part_of_a_step() {
+        for (h, longest) in [(0.02, 0.0025), (0.007, 0.0025), (0.1, 0.03), (1.0 / 60.0, 0.004)] {
+            for n in 0..10_000 {
+                let whole = step(f64::from(n) * h, h);
+                let parts = whole.parts(longest);
+                let mut next = whole.samples(0.01).start;
+                for number in 0..parts.count {
+                    let samples = whole.part(parts, number).samples(0.01);
+                    assert_eq!(samples.start, next, "part {number} of step {n} of {h} s");
+                    next = samples.end;
+                }
+                assert_eq!(next, whole.samples(0.01).end);
             }
         }
     }

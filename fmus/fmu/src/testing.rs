@@ -1,6 +1,8 @@
 //! The tests that every unit gets from [`export!`](crate::export).
 
+mod bases;
 mod dependencies;
+mod extremes;
 mod moves;
 mod states;
 mod subject;
@@ -9,7 +11,8 @@ use crate::library::Library;
 use fmi2::description::{check, read};
 use std::fmt;
 
-pub use dependencies::outputs_move_only_with_what_they_declare;
+pub use dependencies::outputs_depend_on_what_they_declare;
+pub use extremes::finite_values_give_finite_outputs_or_a_fault;
 pub use states::{a_saved_state_goes_on_bit_for_bit, init_can_be_repeated, read_foreign_state, written_state};
 
 /// Violations that a test of the export layer found in a unit, one line each.

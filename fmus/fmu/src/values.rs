@@ -127,10 +127,10 @@ impl Instance {
         if settable.in_state(state) { Ok(()) } else { Err(Refusal::NotSettable { port: port.to_owned(), state }) }
     }
 
-    /// Marks the outputs as outdated in initialization mode, where they follow the values that are set.
+    /// Marks the outputs as outdated where they follow the values that are set.
     #[inline]
     fn touched(&mut self) -> Status {
-        self.progress.stale = self.progress.state == State::InitializationMode;
+        self.progress.stale = matches!(self.progress.state, State::InitializationMode | State::StepComplete);
         Status::Ok
     }
 }

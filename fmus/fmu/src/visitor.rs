@@ -76,6 +76,13 @@ pub struct Visitor {
     scalars: Vec<Scalar>,
 }
 
+impl Scalar {
+    /// Whether the name is its own, or that of a group or array that it belongs to.
+    pub(crate) fn is_named(&self, name: &str) -> bool {
+        self.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+    }
+}
+
 impl Visitor {
     /// The scalars of a unit in the order of declaration.
     pub(crate) fn scalars_of<U: Ports>(unit: &mut U) -> Vec<Scalar> {
@@ -107,11 +114,16 @@ impl Visitor {
         self.path = outer;
     }
 
-    /// Full names, from the unit's struct, of siblings of the current field.
+    /// The full name, from the unit's struct, of a field of the current value.
     #[must_use]
-    pub fn scoped(&self, names: &[&str]) -> Vec<String> {
-        let scope = if self.path.is_empty() { String::new() } else { format!("{}.", self.path) };
-        names.iter().map(|name| format!("{scope}{name}")).collect()
+    pub fn full_name(&self, name: &str) -> String {
+        if self.path.is_empty() { name.to_owned() } else { format!("{}.{name}", self.path) }
+    }
+
+    /// The full names of fields of the current value.
+    #[must_use]
+    pub fn full_names(&self, names: &[&str]) -> Vec<String> {
+        names.iter().map(|name| self.full_name(name)).collect()
     }
 
     /// Records a Real.

@@ -29,7 +29,7 @@ struct Quadcopter {
     #[output(depends(), init(depends(position0, velocity0, yaw0)))]
     state: vehicle::State,
     /// Roll, left side up
-    #[output(unit = "rad", display = "deg", depends(), init(depends(yaw0)))]
+    #[output(unit = "rad", display = "deg", depends())]
     roll: f64,
     /// Pitch, nose down
     #[output(unit = "rad", display = "deg", depends(), init(depends(yaw0)))]
@@ -59,11 +59,11 @@ struct Quadcopter {
             rotor_solidity,
             lift_slope,
             hub_height,
-            arm,
             air_density,
             rotor_model,
             ground_effect,
             ground_turbulence,
+            sample_time,
             seed,
             stream,
         ))
@@ -151,6 +151,9 @@ struct Quadcopter {
     /// Standard deviation of the thrust's trembling at the ground, as a part of the thrust
     #[parameter(start = airframe().ground_turbulence, unit = "1", min = 0.0)]
     ground_turbulence: f64,
+    /// How long a sample of the trembling holds
+    #[parameter(start = airframe().ground_turbulence_sample_time_s, unit = "s", min = 1e-4)]
+    sample_time: f64,
     /// Seed of the trembling
     #[parameter(start = 1, min = 0)]
     seed: i32,
@@ -209,14 +212,46 @@ impl Quadcopter {
             },
             ground_effect: self.ground_effect,
             ground_turbulence: self.ground_turbulence,
+            ground_turbulence_sample_time_s: self.sample_time,
         }
     }
 
     fn inputs(&self) -> Inputs {
         Inputs { rotor_command_rad_s: self.rotor_speed, wind_world_m_s: self.wind, effectiveness: self.effectiveness }
     }
+}
 
-    fn show(&mut self, parameters: &Parameters) {
+impl Model for Quadcopter {
+    fn init(&mut self, context: &mut Context) -> Result<(), Fault> {
+        let parameters = self.parameters();
+        if self.rotor_speed_min > self.rotor_speed_max {
+            return Err(Fault::new("rotor_speed_min is above rotor_speed_max"));
+        }
+        self.plant = State::start(&parameters, self.position0, self.velocity0, self.yaw0, self.airborne);
+        let (seed, stream) = (self.seed.unsigned_abs().into(), self.stream.unsigned_abs().into());
+        self.turbulence = GroundTurbulence::new(seed, stream);
+        self.turbulence.draw(context.samples(self.sample_time).end.saturating_sub(1), self.sample_time);
+        Ok(())
+    }
+
+    fn step(&mut self, step: Step, context: &mut Context) -> Result<Outcome, Fault> {
+        let stood = self.plant.contact();
+        let parts = step.parts(INNER_STEP_S);
+        let samples = (0..parts.count).map(|number| {
+            let samples = step.part(parts, number).samples(self.sample_time);
+            samples.end - samples.start
+        });
+        self.plant
+            .step(&self.parameters(), &self.inputs(), parts.length_s, samples, &mut self.turbulence)
+            .map_err(|not_finite| Fault::new(format!("the state cannot be computed: {not_finite}")))?;
+        if self.plant.contact() != stood {
+            let what = if stood { "leaves" } else { "touches" };
+            context.event(|| format!("the vehicle {what} the ground at {} s", step.end_s()));
+        }
+        Ok(Outcome::Done)
+    }
+
+    fn outputs(&mut self, _time_s: f64) -> Result<(), Fault> {
         let body = &self.plant.body;
         self.state = vehicle::State {
             position: body.position_m,
@@ -226,32 +261,10 @@ impl Quadcopter {
         };
         [self.roll, self.pitch, self.yaw] = self.plant.roll_pitch_yaw_rad();
         self.rotor.speed = self.plant.rotor_speed_rad_s;
-        self.thrust = self.plant.thrust_n(parameters, &self.inputs(), &self.turbulence);
         self.height = body.position_m.z;
         self.contact = self.plant.contact();
-    }
-}
-
-impl Model for Quadcopter {
-    fn init(&mut self, _: &mut Context) -> Result<(), Fault> {
-        let parameters = self.parameters();
-        if self.rotor_speed_min > self.rotor_speed_max {
-            return Err(Fault::new("rotor_speed_min is above rotor_speed_max"));
-        }
-        self.plant = State::start(&parameters, self.position0, self.velocity0, self.yaw0, self.airborne);
-        let (seed, stream) = (self.seed.unsigned_abs().into(), self.stream.unsigned_abs().into());
-        self.turbulence = GroundTurbulence::new(seed, stream);
-        self.show(&parameters);
+        self.thrust = self.plant.thrust_n(&self.parameters(), &self.inputs(), &self.turbulence);
         Ok(())
-    }
-
-    fn step(&mut self, step: Step, _: &mut Context) -> Result<Outcome, Fault> {
-        let parameters = self.parameters();
-        let inputs = self.inputs();
-        let parts = step.parts(INNER_STEP_S);
-        self.plant.step(&parameters, &inputs, parts.count, parts.length_s, &mut self.turbulence);
-        self.show(&parameters);
-        Ok(Outcome::Done)
     }
 }
 

@@ -36,16 +36,16 @@ struct QuadcopterController {
     effectiveness: [f64; 4],
 
     /// Speed for the rotors right, front, left, rear; 0 until the first sample
-    #[output(unit = "rad/s", display = "rpm", depends(state, setpoint), init(depends()))]
+    #[output(unit = "rad/s", display = "rpm", depends())]
     rotor_speed: [f64; 4],
     /// Roll that turns the thrust into the demanded force
-    #[output(unit = "rad", display = "deg", depends(state, setpoint), init(depends()))]
+    #[output(unit = "rad", display = "deg", depends())]
     roll_desired: f64,
     /// Pitch that does, nose down
-    #[output(unit = "rad", display = "deg", depends(state, setpoint), init(depends()))]
+    #[output(unit = "rad", display = "deg", depends())]
     pitch_desired: f64,
     /// Demanded sum of thrusts
-    #[output(unit = "N", depends(state.position, state.velocity, setpoint), init(depends()))]
+    #[output(unit = "N", depends())]
     thrust_desired: f64,
 
     /// Gains for take-off and landing

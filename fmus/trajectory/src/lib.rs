@@ -14,10 +14,10 @@ struct Trajectory {
     #[output(depends(), init(depends(height, speed, radius1, radius2, origin)))]
     setpoint: vehicle::Setpoint,
     /// The part of the flight, from 1 (A to B) to 7 (G to H)
-    #[output(depends(), init(depends()))]
+    #[output(depends(), init(depends(speed, radius1, radius2)))]
     leg: i32,
     /// Whether the whole flight is over
-    #[output(depends(), init(depends()))]
+    #[output(depends(), init(depends(speed, radius1, radius2)))]
     finished: bool,
 
     /// Height of the flight above its origin
@@ -64,8 +64,15 @@ impl Model for Trajectory {
         Ok(())
     }
 
-    fn step(&mut self, step: Step, _: &mut Context) -> Result<Outcome, Fault> {
+    fn step(&mut self, step: Step, context: &mut Context) -> Result<Outcome, Fault> {
+        let (leg, finished) = (self.leg, self.finished);
         self.show(step.end_s());
+        if self.leg != leg {
+            context.event(|| format!("leg {} begins at {} s", self.leg, step.end_s()));
+        }
+        if self.finished && !finished {
+            context.event(|| format!("the flight is over at {} s", step.end_s()));
+        }
         Ok(Outcome::Done)
     }
 }

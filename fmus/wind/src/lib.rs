@@ -103,18 +103,23 @@ impl Wind {
         }
     }
 
-    fn show(&mut self, time_s: f64) {
+    /// The gusts that count.
+    fn gusts(&self) -> &[Gust] {
         let count = usize::try_from(self.gust_count).unwrap_or(0);
-        let gust = |gust: &Gust| models::wind::Gust {
-            start_s: gust.start,
-            duration_s: gust.duration,
-            amplitude_m_s: gust.amplitude,
-            direction_rad: gust.direction,
-        };
-        let gusts = self.gust.each_ref().map(gust);
-        let gusts = gusts.get(..count).unwrap_or(&gusts);
-        self.velocity = self.air.velocity_world_m_s(&self.parameters(), &self.inputs(), gusts, time_s);
-        self.speed = self.velocity.norm();
+        self.gust.get(..count).unwrap_or(&self.gust)
+    }
+
+    /// Logs the gusts that begin or end in a step.
+    fn log_gusts(&self, step: Step, context: &mut Context) {
+        let in_step = |time_s: f64| step.start_s() < time_s && time_s <= step.end_s();
+        for (number, gust) in (1..).zip(self.gusts()) {
+            if in_step(gust.start) {
+                context.event(|| format!("gust {number} begins at {} s", gust.start));
+            }
+            if in_step(gust.start + gust.duration) {
+                context.event(|| format!("gust {number} ends at {} s", gust.start + gust.duration));
+            }
+        }
     }
 }
 
@@ -125,15 +130,28 @@ impl Model for Wind {
         self.air = State::start(&parameters, &inputs, seed, stream);
         let samples = context.samples(self.sample_time);
         self.air.draw(&parameters, &inputs, samples.end.saturating_sub(1));
-        self.show(context.start_s());
         Ok(())
     }
 
-    fn step(&mut self, step: Step, _: &mut Context) -> Result<Outcome, Fault> {
+    fn step(&mut self, step: Step, context: &mut Context) -> Result<Outcome, Fault> {
         let samples = step.samples(self.sample_time);
         self.air.draw(&self.parameters(), &self.inputs(), samples.end - samples.start);
-        self.show(step.end_s());
+        self.log_gusts(step, context);
         Ok(Outcome::Done)
+    }
+
+    fn outputs(&mut self, time_s: f64) -> Result<(), Fault> {
+        let gust = |gust: &Gust| models::wind::Gust {
+            start_s: gust.start,
+            duration_s: gust.duration,
+            amplitude_m_s: gust.amplitude,
+            direction_rad: gust.direction,
+        };
+        let gusts = self.gust.each_ref().map(gust);
+        let gusts = &gusts[..self.gusts().len()];
+        self.velocity = self.air.velocity_world_m_s(&self.parameters(), &self.inputs(), gusts, time_s);
+        self.speed = self.velocity.norm();
+        Ok(())
     }
 }
 

@@ -1,7 +1,7 @@
 //! Random fluctuation of thrust near the ground: one Ornstein–Uhlenbeck process for each rotor.
 //!
 //! ```text
-//! P_i → P_i (1 + σ_ge n_i (1 - z))  for z < 1 m        n ← a n + √(1 - a²) N(0, 1),  a = exp(-h / τ)
+//! P_i → P_i (1 + σ_ge n_i (1 - z))  for z < 1 m        n ← a n + √(1 - a²) N(0, 1),  a = exp(-Δ / τ)
 //! ```
 //!
 //! | Symbol | Here                     | Unit | Meaning                                                     |
@@ -9,13 +9,13 @@
 //! | σ_ge   | `intensity`, parameter   | 1    | standard deviation at z = 0, as a fraction of the thrust    |
 //! | n_i    | `samples`                | 1    | process of rotor i, standard deviation 1                    |
 //! | τ      | [`CORRELATION_TIME_S`]   | s    | correlation time                                            |
-//! | h      | `duration_s`             | s    | inner step; n is held over it                               |
+//! | Δ      | `sample_time_s`          | s    | sample k of n holds on [kΔ, (k+1)Δ)                         |
 //! | z      | position z               | m    | height of the centre of gravity                             |
 //!
 //! Geng & Chulin (2016) give this fluctuation as the reason for a separate controller mode near the ground, but no
-//! formula; this one is the project's. The update is exact for any step (Gillespie (1996)), so its statistics do not
-//! depend on the step. Random numbers are drawn for rotors 1 to 4 in order, once at the start and once for each inner
-//! step, independent of σ_ge and the height.
+//! formula; this one is the project's. The update is exact for any Δ (Gillespie (1996)), so its statistics do not
+//! depend on Δ. Random numbers are drawn for rotors 1 to 4 in order, once for each sample, independent of σ_ge, the height
+//! and the steps of the integration.
 
 use serde::{Deserialize, Serialize};
 
@@ -44,11 +44,17 @@ impl GroundTurbulence {
         self.samples.map(|sample| intensity * sample)
     }
 
-    pub(super) fn advance(&mut self, duration_s: f64) {
-        let kept = libm::exp(-duration_s / CORRELATION_TIME_S);
+    /// Draws the next `count` samples; the last of them holds.
+    pub fn draw(&mut self, count: u64, sample_time_s: f64) {
+        if count == 0 {
+            return;
+        }
+        let kept = libm::exp(-sample_time_s / CORRELATION_TIME_S);
         let fresh = (1.0 - kept * kept).sqrt();
-        for sample in &mut self.samples {
-            *sample = kept * *sample + fresh * self.generator.normal();
+        for _ in 0..count {
+            for sample in &mut self.samples {
+                *sample = kept * *sample + fresh * self.generator.normal();
+            }
         }
     }
 }
@@ -58,12 +64,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn variance_and_correlation_do_not_depend_on_the_step() {
-        for (step_s, steps_in_tau) in [(0.0025, 20), (0.01, 5)] {
+    fn variance_and_correlation_do_not_depend_on_the_sample_time() {
+        for (sample_time_s, samples_in_tau) in [(0.0025, 20), (0.01, 5)] {
             let mut turbulence = GroundTurbulence::new(1, 4);
             let trace: Vec<f64> = (0..200_000)
                 .map(|_| {
-                    turbulence.advance(step_s);
+                    turbulence.draw(1, sample_time_s);
                     turbulence.fluctuation(1.0)[2]
                 })
                 .collect();
@@ -71,7 +77,7 @@ mod tests {
                 trace.iter().zip(&trace[lag..]).map(|(a, b)| a * b).sum::<f64>() / (trace.len() - lag) as f64
             };
             assert!((lagged(0) - 1.0).abs() < 0.05, "variance {}", lagged(0));
-            assert!((lagged(steps_in_tau) - libm::exp(-1.0)).abs() < 0.05, "after τ {}", lagged(steps_in_tau));
+            assert!((lagged(samples_in_tau) - libm::exp(-1.0)).abs() < 0.05, "after τ {}", lagged(samples_in_tau));
         }
     }
 }

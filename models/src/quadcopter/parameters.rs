@@ -63,6 +63,8 @@ pub struct Parameters {
     pub ground_effect: bool,
     /// σ_ge: standard deviation of the thrust's fluctuation at the ground, as a fraction of the thrust; 0 disables it.
     pub ground_turbulence: f64,
+    /// Δ: how long a sample of the fluctuation holds.
+    pub ground_turbulence_sample_time_s: f64,
 }
 
 impl Default for Parameters {
@@ -89,6 +91,7 @@ impl Default for Parameters {
             rotor_model: RotorModel::Bemt,
             ground_effect: true,
             ground_turbulence: 0.05,
+            ground_turbulence_sample_time_s: 0.01,
         }
     }
 }

@@ -32,9 +32,13 @@ pub unsafe fn instantiate(
     if logging_on != c::FALSE {
         log.want_all(true);
     }
-    let made = catch_unwind(AssertUnwindSafe(|| match why_not(library, name.as_deref(), kind, guid.as_deref()) {
-        Some(reason) => Err(reason),
-        None => Ok(Body::new(library)),
+    let made = catch_unwind(AssertUnwindSafe(|| {
+        // Held, so that the description is built once for this call.
+        let described = library.described();
+        match why_not(&described.description.guid, name.as_deref(), kind, guid.as_deref()) {
+            Some(reason) => Err(reason),
+            None => Ok(Body::new(library)),
+        }
     }));
     match made.unwrap_or_else(|panic| Err(panic_text(&*panic))) {
         Ok(body) => Box::into_raw(Box::new(Instance::new(library, body, log))).cast(),
@@ -51,8 +55,7 @@ unsafe fn text(pointer: c::Str) -> Option<CString> {
 }
 
 /// The reason why an instance cannot be created, if any.
-fn why_not(library: &Library, name: Option<&CStr>, kind: c::FmuType, guid: Option<&CStr>) -> Option<String> {
-    let own = &library.described().description.guid;
+fn why_not(own: &str, name: Option<&CStr>, kind: c::FmuType, guid: Option<&CStr>) -> Option<String> {
     let given = guid.map(|guid| guid.to_string_lossy().into_owned());
     if name.is_none_or(|name| name.to_bytes().trim_ascii().is_empty()) {
         return Some("the instance has no name".to_owned());
@@ -62,7 +65,7 @@ fn why_not(library: &Library, name: Option<&CStr>, kind: c::FmuType, guid: Optio
     }
     match given {
         None => Some("no GUID is given".to_owned()),
-        Some(given) if given != *own => Some(format!(
+        Some(given) if given != own => Some(format!(
             "the model description with GUID {given} does not belong to this library, whose GUID is {own}"
         )),
         Some(_) => None,
@@ -80,9 +83,10 @@ pub unsafe fn free(component: Component) {
     drop(catch_unwind(AssertUnwindSafe(|| drop(instance))));
 }
 
-/// `modelDescription.xml` of the library, UTF-8 without a zero byte at its end; valid as long as the library is loaded.
+/// `modelDescription.xml` of the library, UTF-8 without a zero byte at its end; it is never freed. Only the packager calls
+/// this, once.
 pub unsafe fn description(library: &'static Library, length: *mut usize) -> *const u8 {
-    let Ok(xml) = catch_unwind(AssertUnwindSafe(|| library.xml())) else { return std::ptr::null() };
+    let Ok(xml) = catch_unwind(AssertUnwindSafe(|| library.xml().leak())) else { return std::ptr::null() };
     // SAFETY: null or valid for writing the length.
     if let Some(length) = unsafe { length.as_mut() } {
         *length = xml.len();

@@ -1,7 +1,6 @@
 //! Checks the contract of a unit about states: `init` does not depend on earlier calls, a serialized state is complete.
 
 use super::Findings;
-use super::moves::others;
 use super::subject::Subject;
 use crate::library::Library;
 
@@ -17,7 +16,7 @@ pub fn init_can_be_repeated(library: &'static Library) -> Result<(), Findings> {
     let mut subject = Subject::new(library);
     let broken = |cause: String| Findings(vec![cause]);
     let init = |subject: &mut Subject| {
-        subject.init().map_err(|fault| broken(format!("the unit does not start with its start values: {fault}")))?;
+        subject.init(0.0).map_err(|fault| broken(format!("the unit does not start with its start values: {fault}")))?;
         subject.bytes().map_err(|error| broken(format!("the state cannot be written: {error}")))
     };
     let once = init(&mut subject)?;
@@ -27,10 +26,10 @@ pub fn init_can_be_repeated(library: &'static Library) -> Result<(), Findings> {
     }
     for known in subject.variables(|variable| variable.has_start()) {
         let start = subject.get(known);
-        for other in others(subject.description, known, &start) {
+        for other in subject.others(known) {
             subject.set(known, &other);
             // A unit may reject the value; effects before the rejection must not remain either.
-            let refused = subject.init().is_err();
+            let refused = subject.init(0.0).is_err();
             subject.set(known, &start);
             if init(&mut subject)? != once {
                 let name = subject.name(known);
@@ -52,7 +51,7 @@ pub fn a_saved_state_goes_on_bit_for_bit(library: &'static Library) -> Result<()
     let broken = |cause: String| Findings(vec![cause]);
     let fault = |fault: crate::model::Fault| broken(format!("the unit does not run with its start values: {fault}"));
     let unwritten = |error: postcard::Error| broken(format!("the state cannot be written and read: {error}"));
-    subject.init().map_err(fault)?;
+    subject.init(0.0).map_err(fault)?;
     let run = |subject: &mut Subject, mut steps: std::ops::Range<u32>| {
         steps.try_for_each(|n| subject.step(f64::from(n) * subject.step_s, subject.step_s))
     };

@@ -83,7 +83,8 @@ static LAMP: Library =
 
 #[test]
 fn a_unit_that_panics_on_creation_logs_why_there_is_no_instance() {
-    let guid = LAMP.xml().split("guid=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a GUID");
+    let xml = LAMP.xml();
+    let guid = xml.split("guid=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a GUID");
     let guid = CString::new(guid).expect("no zero");
     IS_DEFECT.set(true);
     let messages = Mutex::default();

@@ -1,7 +1,7 @@
 //! Units with a planted mistake: each of the tests that every unit gets detects its own.
 
 use fmu::testing::{
-    a_saved_state_goes_on_bit_for_bit, init_can_be_repeated, outputs_move_only_with_what_they_declare,
+    a_saved_state_goes_on_bit_for_bit, init_can_be_repeated, outputs_depend_on_what_they_declare,
     the_description_keeps_every_rule_of_the_standard,
 };
 use fmu::{Context, Fault, Fmu, Library, Model, Outcome, Package, Step};
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 const PACKAGE: Package = Package { identifier: "planted", version: "1.0.0", authors: "", license: "MIT" };
 
-/// Each output is wrong in its own way but the last two.
+/// Each output is wrong in its own way but the last three.
 #[derive(Fmu, Clone, Serialize, Deserialize)]
 struct Wrong {
     /// Declared by nobody
@@ -24,6 +24,12 @@ struct Wrong {
     /// Moves with the input at once
     #[output(unit = "m", depends(), init(depends(input)))]
     at_once: f64,
+    /// Follows its input in `step` only
+    #[output(unit = "m", depends(input))]
+    sampled: f64,
+    /// Depends on less at the start
+    #[output(unit = "m", depends(), init(depends(gain, bound)))]
+    less: f64,
     /// Moves with the parameter at the start
     #[output(unit = "1", depends())]
     at_start: f64,
@@ -33,6 +39,9 @@ struct Wrong {
     /// Moves with what it declares
     #[output(unit = "m", depends(input))]
     honest: f64,
+    /// Moves with what it declares where the gain is negative
+    #[output(unit = "m", depends(input), init(depends(input, gain)))]
+    sometimes: f64,
     /// Adds up the calls of `init`
     starts: u32,
     /// Is lost on the way
@@ -42,29 +51,37 @@ struct Wrong {
 
 impl Model for Wrong {
     fn init(&mut self, _: &mut Context) -> Result<(), Fault> {
-        (self.at_once, self.at_start, self.honest, self.state) = (self.input, self.gain, self.input, 0.0);
+        (self.at_start, self.sampled, self.less, self.state) = (self.gain, self.input, self.gain, 0.0);
         self.starts += 1;
         Ok(())
     }
 
     fn step(&mut self, step: Step, _: &mut Context) -> Result<Outcome, Fault> {
         self.forgotten += 1.0;
-        (self.at_once, self.honest) = (self.input, self.input);
+        self.sampled = self.input;
         self.state += self.input * step.length_s() * self.forgotten;
         Ok(Outcome::Done)
+    }
+
+    fn outputs(&mut self, _: f64) -> Result<(), Fault> {
+        (self.at_once, self.honest) = (self.input, self.input);
+        self.sometimes = if self.gain < 0.0 { self.input } else { 0.0 };
+        Ok(())
     }
 }
 
 static WRONG: Library = Library::of::<Wrong>(PACKAGE);
 
 #[test]
-fn an_undeclared_dependency_is_found_and_nothing_else() {
-    let found = outputs_move_only_with_what_they_declare(&WRONG).expect_err("two mistakes");
+fn undeclared_and_superfluous_dependencies_are_found_and_nothing_else() {
+    let found = outputs_depend_on_what_they_declare(&WRONG).expect_err("four mistakes");
     assert_eq!(
         found.0,
         [
             "`at_once` moves with `input` at once, which it does not declare",
             "`at_start` moves with `gain` at the start, which it does not declare",
+            "`less` declares `bound` for the start, but never moves with it there: leave it out",
+            "`sampled` declares `input`, but does not move with it at once: compute it in `outputs`, or leave the name out",
         ]
     );
 }

@@ -53,6 +53,9 @@ pub struct Probe {
 /// The speed at which [`Deed::Panic`] panics.
 pub const UNLUCKY_M_S: f64 = 13.0;
 
+/// The speed at which there are no outputs.
+pub const HUGE_M_S: f64 = 1e20;
+
 /// What a step does.
 #[derive(FmiEnum, Clone, Copy, PartialEq, Serialize, Deserialize)]
 enum Deed {
@@ -70,20 +73,10 @@ enum Deed {
     Panic,
 }
 
-impl Probe {
-    fn show(&mut self) {
-        self.scaled = self.gain * self.speed + self.offset;
-        self.sum = self.count.iter().sum();
-        self.echo.clone_from(&self.text);
-        self.inverse = !self.switch;
-    }
-}
-
 impl Model for Probe {
     fn init(&mut self, _: &mut Context) -> Result<(), Fault> {
         self.step_length = 0.0;
         self.steps = 0;
-        self.show();
         Ok(())
     }
 
@@ -107,8 +100,15 @@ impl Model for Probe {
         self.position.x += self.speed * step.length_s();
         self.step_length = step.length_s();
         self.steps += 1;
-        self.show();
         Ok(outcome)
+    }
+
+    fn outputs(&mut self, _: f64) -> Result<(), Fault> {
+        self.scaled = self.gain * self.speed + self.offset;
+        self.sum = self.count.iter().sum();
+        self.echo.clone_from(&self.text);
+        self.inverse = !self.switch;
+        if self.speed == HUGE_M_S { Err(Fault::new("too fast for an output")) } else { Ok(()) }
     }
 }
 
@@ -146,6 +146,7 @@ pub fn library() -> &'static Library {
 }
 
 pub fn guid() -> String {
-    let (_, rest) = LIBRARY.xml().split_once("guid=\"").expect("a GUID");
+    let xml = LIBRARY.xml();
+    let (_, rest) = xml.split_once("guid=\"").expect("a GUID");
     rest.split('"').next().expect("its end").to_owned()
 }

@@ -1,7 +1,7 @@
 //! Get and set calls: what is accepted, what is refused, and that a refusal changes nothing.
 
-use crate::importer::{ERROR, Importer, OK, WARNING};
-use crate::probe::{exported as fmi, port};
+use crate::importer::{DISCARD, ERROR, Importer, OK, WARNING};
+use crate::probe::{HUGE_M_S, exported as fmi, port};
 use std::ffi::{CStr, c_char};
 use std::ptr::{null, null_mut};
 
@@ -21,11 +21,30 @@ fn outputs_follow_inputs_and_parameters_in_initialization_mode() {
 }
 
 #[test]
-fn outputs_follow_inputs_with_the_step() {
+fn outputs_follow_inputs_and_tunable_parameters_between_steps() {
     let importer = Importer::new().started();
     assert_eq!((importer.set_real(port::SPEED, 3.0), importer.set_real(port::OFFSET, 1.0)), (OK, OK));
-    assert_eq!(importer.real(port::SCALED), 2.0);
+    assert_eq!((importer.real(port::SCALED), importer.real(port::POSITION_X)), (7.0, 0.0));
     assert_eq!((importer.step(0.0, 0.1), importer.real(port::SCALED)), (OK, 7.0));
+    assert_eq!((importer.set_real(port::SPEED, 4.0), importer.real(port::SCALED)), (OK, 9.0));
+}
+
+#[test]
+fn outputs_that_cannot_be_computed_are_an_error_of_the_call_that_reads_them() {
+    let importer = Importer::new().started();
+    assert_eq!((importer.step(0.0, 0.1), importer.set_real(port::SPEED, HUGE_M_S)), (OK, OK));
+    let mut value = 0.0;
+    // SAFETY: a live component, one value.
+    let status = unsafe { fmi::fmi2GetReal(importer.component, &raw const port::SCALED, 1, &raw mut value) };
+    assert_eq!(status, ERROR);
+    assert_eq!(importer.only_message(), "fmi2GetReal: there are no outputs at 0.1 s: too fast for an output");
+}
+
+#[test]
+fn an_output_that_is_not_finite_ends_the_step_with_its_name() {
+    let importer = Importer::new().started();
+    assert_eq!((importer.set_real(port::SPEED, f64::MAX), importer.step(0.0, 0.1)), (OK, ERROR));
+    assert_eq!(importer.only_message(), "fmi2DoStep: the step of 0.1 s from 0 s failed: `scaled` became inf");
 }
 
 #[test]
@@ -42,7 +61,8 @@ fn start_values_are_readable_before_the_run_with_a_warning() {
 fn a_value_that_is_not_finite_is_refused_by_name_and_the_old_value_stays() {
     for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let importer = initializing();
-        assert_eq!((importer.set_real(port::SPEED, value), importer.real(port::SPEED)), (ERROR, 1.0));
+        assert_eq!((importer.set_real(port::SPEED, value), importer.real(port::SPEED)), (DISCARD, 1.0));
+        assert_eq!((importer.set_real(port::SPEED, 2.0), importer.exit()), (OK, OK), "the instance goes on");
         assert_eq!(importer.only_message(), format!("fmi2SetReal: {value} is no value for `speed`; nothing was set"));
     }
 }
@@ -51,16 +71,16 @@ fn a_value_that_is_not_finite_is_refused_by_name_and_the_old_value_stays() {
 fn a_value_outside_its_bounds_is_refused_by_name() {
     let importer = initializing();
     assert_eq!((importer.set_real(port::GAIN, 0.0), importer.set_real(port::GAIN, 10.0)), (OK, OK));
-    assert_eq!((importer.set_real(port::GAIN, 10.5), importer.real(port::GAIN)), (ERROR, 10.0));
+    assert_eq!((importer.set_real(port::GAIN, 10.5), importer.real(port::GAIN)), (DISCARD, 10.0));
     assert_eq!(
         importer.only_message(),
         "fmi2SetReal: 10.5 is no value for `gain`, which lies between 0 and 10; nothing was set"
     );
     let importer = initializing();
-    assert_eq!((importer.set_integer(port::COUNT[1], 6), importer.integer(port::COUNT[1])), (ERROR, 4));
+    assert_eq!((importer.set_integer(port::COUNT[1], 6), importer.integer(port::COUNT[1])), (DISCARD, 4));
     assert!(importer.only_message().contains("`count[2]`, which lies between -5 and 5"));
     let importer = initializing();
-    assert_eq!((importer.set_integer(port::DEED, 7), importer.integer(port::DEED)), (ERROR, 1));
+    assert_eq!((importer.set_integer(port::DEED, 7), importer.integer(port::DEED)), (DISCARD, 1));
     assert!(importer.only_message().contains("`deed` is an enumeration without an item of value 7"));
 }
 
@@ -69,7 +89,7 @@ fn a_call_with_one_invalid_value_sets_none() {
     let importer = initializing();
     let (ports, values) = ([port::SPEED, port::GAIN], [5.0, f64::NAN]);
     // SAFETY: a live component, two values.
-    assert_eq!(unsafe { fmi::fmi2SetReal(importer.component, ports.as_ptr(), 2, values.as_ptr()) }, ERROR);
+    assert_eq!(unsafe { fmi::fmi2SetReal(importer.component, ports.as_ptr(), 2, values.as_ptr()) }, DISCARD);
     assert_eq!(importer.real(port::SPEED), 1.0);
     let (ports, values) = ([port::SPEED, 99], [5.0, 6.0]);
     assert_eq!(importer.reset(), OK);
