@@ -1,5 +1,6 @@
 //! The attribute of one port: the keywords that it may contain, by the role of the port.
 
+use crate::limits;
 use proc_macro2::Span;
 use syn::ext::IdentExt;
 use syn::parse::ParseStream;
@@ -184,7 +185,7 @@ impl PortAttribute {
                 fail("an exact output starts at its value and depends on nothing: drop `init` or `exact`")
             }
             _ if self.display.is_some() && self.unit.is_none() => fail("`display` needs a `unit`"),
-            _ => self.check_units(),
+            _ => self.check_units().and_then(|()| limits::check(self)),
         }
     }
 

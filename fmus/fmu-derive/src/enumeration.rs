@@ -1,7 +1,7 @@
 //! `derive(FmiEnum)`: the variants of an enum as items of an enumeration type.
 
 use crate::doc::{first_paragraph, snake_case};
-use crate::field::collect;
+use crate::field::{collect, undescribed};
 use proc_macro2::TokenStream;
 use quote::quote;
 use syn::{Data, DeriveInput, Error, Expr, ExprLit, Fields, Lit, Result, Variant};
@@ -22,6 +22,10 @@ pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
     }))?;
     let ident = &input.ident;
     let (name, description) = (ident.to_string(), first_paragraph(&input.attrs));
+    let undescribed_items = data.variants.iter().filter(|variant| first_paragraph(&variant.attrs).is_empty());
+    let own = description.is_empty().then(|| undescribed(ident));
+    let errors = own.into_iter().chain(undescribed_items.map(|variant| undescribed(&variant.ident)));
+    collect(errors.map(Err::<(), _>))?;
     let variants: Vec<_> = data.variants.iter().map(|variant| &variant.ident).collect();
     let items = data.variants.iter().zip(&values).map(|(variant, value)| {
         let (item, description) = (snake_case(&variant.ident.to_string()), first_paragraph(&variant.attrs));

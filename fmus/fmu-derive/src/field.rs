@@ -45,9 +45,21 @@ pub fn fields(input: &DeriveInput) -> Result<Vec<Field>> {
     let parsed = named.into_iter().map(|field| {
         let Some(ident) = field.ident.clone() else { return Err(Error::new_spanned(field, "ports need names")) };
         let description = first_paragraph(&field.attrs);
-        Ok(Field { ident, ty: field.ty.clone(), description, port: PortAttribute::of_field(&field.attrs)? })
+        let port = PortAttribute::of_field(&field.attrs)?;
+        // A group's fields have descriptions of their own; a `port` without one gets that of the group.
+        let described = port.as_ref().is_none_or(|port| matches!(port.role, Role::Group | Role::Port));
+        if description.is_empty() && !described {
+            return Err(undescribed(&ident));
+        }
+        Ok(Field { ident, ty: field.ty.clone(), description, port })
     });
     collect(parsed)
+}
+
+/// That something which other tools show has no description.
+pub fn undescribed(ident: &Ident) -> Error {
+    let message = format!("say what `{}` is in a doc comment, `/// ..`, which other tools show", ident.unraw());
+    Error::new(ident.span(), message)
 }
 
 /// All values, or all errors in one.

@@ -2,7 +2,7 @@
 
 use crate::attribute::Role;
 use crate::doc::first_paragraph;
-use crate::field::{Field, fields};
+use crate::field::{Field, fields, undescribed};
 use crate::{dependencies, generate};
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -20,6 +20,9 @@ pub fn derive_fmu(input: &DeriveInput) -> Result<TokenStream> {
     dependencies::check(&fields)?;
     let (name, [start, stop, step]) = settings(input)?;
     let (ident, description) = (&input.ident, first_paragraph(&input.attrs));
+    if description.is_empty() {
+        return Err(undescribed(ident));
+    }
     let (starts, visits, checks) = (generate::starts(&fields), generate::visits(&fields), generate::checks(&fields));
     Ok(quote! {
         // SAFETY: only fields of the struct are visited, always the same ones in the same order.

@@ -12,6 +12,8 @@ mod body;
 mod declaration;
 mod describe;
 mod export;
+#[cfg(all(target_os = "linux", target_env = "gnu", target_arch = "x86_64", target_pointer_width = "64"))]
+mod glibc;
 mod instance;
 mod library;
 mod log;

@@ -7,7 +7,7 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 
 /// Writes the archive of a unit; the file appears only when it is complete.
-pub(crate) fn write(unit: &UnitCrate, library: &Path, xml: &str, archive: &Path) -> Result<(), PackError> {
+pub(crate) fn write(unit: &UnitCrate, library: &[u8], xml: &str, archive: &Path) -> Result<(), PackError> {
     check(unit, xml)?;
     let bytes = zipped(unit, &entries(unit, library, xml)?)?;
     let folder = archive.parent().unwrap_or(Path::new("."));
@@ -41,7 +41,7 @@ fn check(unit: &UnitCrate, xml: &str) -> Result<(), PackError> {
     if findings.is_empty() { Ok(()) } else { Err(rules(findings.iter().map(ToString::to_string).collect())) }
 }
 
-fn entries(unit: &UnitCrate, library: &Path, xml: &str) -> Result<BTreeMap<String, Vec<u8>>, PackError> {
+fn entries(unit: &UnitCrate, library: &[u8], xml: &str) -> Result<BTreeMap<String, Vec<u8>>, PackError> {
     let platform = fmi2::platform::FOLDERS.first().ok_or_else(|| PackError::Archive {
         unit: unit.name.clone(),
         reason: "FMI 2.0 names no folder for this platform".to_owned(),
@@ -52,7 +52,7 @@ fn entries(unit: &UnitCrate, library: &Path, xml: &str) -> Result<BTreeMap<Strin
     let mut entries = BTreeMap::new();
     entries.insert("modelDescription.xml".to_owned(), xml.as_bytes().to_vec());
     let binary = format!("binaries/{platform}/{}{}", unit.identifier(), std::env::consts::DLL_SUFFIX);
-    entries.insert(binary, read(library)?);
+    entries.insert(binary, library.to_vec());
     let readme = unit.folder.join("README.md");
     if readme.is_file() {
         let text = String::from_utf8_lossy(&read(&readme)?).into_owned();

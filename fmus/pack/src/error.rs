@@ -79,4 +79,14 @@ impl fmt::Display for PackError {
     }
 }
 
+impl PackError {
+    /// What the user can do about it, if anything.
+    #[must_use]
+    pub fn help(&self) -> Option<&'static str> {
+        matches!(self, Self::NoCargo(_)).then_some(
+            "https://rustup.rs installs Rust, to which cargo belongs; packed units need none: name a folder of .fmu files, --units DIR",
+        )
+    }
+}
+
 impl std::error::Error for PackError {}

@@ -13,26 +13,39 @@
 mod archive;
 mod build;
 mod error;
+mod new_unit;
+mod portability;
 mod stale;
 mod unit_crate;
 
-pub use build::build;
+pub use build::cargo_settings;
 pub use error::PackError;
+pub use new_unit::{NewUnit, Refusal, first_files, new_unit};
+pub use portability::{NewerGlibc, warning};
 pub use stale::is_stale;
 pub use unit_crate::{UnitCrate, Workspace};
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Reads `modelDescription.xml` from a unit's library.
 pub type Describe<'a> = &'a dyn Fn(&Path) -> Result<String, String>;
 
-/// Builds a unit and packs it into `archive`.
+/// Builds a unit and packs it into `archive`. Returns the functions of glibc because of which it does not load on older
+/// systems.
 ///
 /// # Errors
 /// If cargo, the library's description, a rule of the standard, or writing the file fails.
-pub fn pack(unit: &UnitCrate, describe: Describe<'_>, archive: &Path) -> Result<PathBuf, PackError> {
-    let library = build(unit)?;
-    let description = describe(&library).map_err(|reason| PackError::Describe { unit: unit.name.clone(), reason })?;
+pub fn pack(unit: &UnitCrate, describe: Describe<'_>, archive: &Path) -> Result<Vec<NewerGlibc>, PackError> {
+    let built = build::build(unit)?;
+    let library = std::fs::read(&built.library).map_err(|source| PackError::File {
+        path: built.library.clone(),
+        doing: "read",
+        source,
+    })?;
+    let description =
+        describe(&built.library).map_err(|reason| PackError::Describe { unit: unit.name.clone(), reason })?;
     archive::write(unit, &library, &description, archive)?;
-    Ok(archive.to_path_buf())
+    let list = stale::source_list(archive);
+    std::fs::copy(&built.sources, &list).map_err(|source| PackError::File { path: list, doing: "write", source })?;
+    portability::newer_glibc(&library).map_err(|reason| PackError::Describe { unit: unit.name.clone(), reason })
 }

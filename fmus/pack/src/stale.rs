@@ -4,13 +4,17 @@ use crate::UnitCrate;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+/// The file beside an archive that lists the sources it was built from, as cargo wrote it.
+pub(crate) fn source_list(archive: &Path) -> PathBuf {
+    archive.with_extension("d")
+}
+
 /// Whether the archive is missing or older than a source of its unit: the files in cargo's dep-info file, the
 /// manifests, the lock file, and the files packed beside the library.
 #[must_use]
 pub fn is_stale(unit: &UnitCrate, archive: &Path) -> bool {
     let Some(packed) = modified(archive) else { return true };
-    let dep_info = unit.target_folder().join("unit").join(format!("lib{}.d", unit.identifier()));
-    let Ok(listed) = std::fs::read_to_string(&dep_info) else { return true };
+    let Ok(listed) = std::fs::read_to_string(source_list(archive)) else { return true };
     let beside = ["Cargo.toml", "README.md", "reference_in.csv", "reference.csv"].map(|file| unit.folder.join(file));
     let above = ["Cargo.toml", "Cargo.lock"].map(|file| unit.workspace.join(file));
     let optional = beside.into_iter().chain(above).any(|file| modified(&file).is_some_and(|changed| changed > packed));
@@ -49,9 +53,7 @@ mod tests {
         let source = root.path().join("lib.rs");
         let archive = root.path().join("x.fmu");
         std::fs::write(&source, "").unwrap();
-        std::fs::create_dir_all(unit.target_folder().join("unit")).unwrap();
-        let dep_info = unit.target_folder().join("unit/libx.d");
-        std::fs::write(&dep_info, format!("libx.so: {}\n", source.display())).unwrap();
+        std::fs::write(root.path().join("x.d"), format!("libx.so: {}\n", source.display())).unwrap();
         assert!(is_stale(&unit, &archive), "no archive yet");
         std::fs::write(&archive, "").unwrap();
         let later = SystemTime::now() + Duration::from_secs(5);

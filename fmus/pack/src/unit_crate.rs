@@ -115,7 +115,7 @@ impl Workspace {
 }
 
 /// The folder of the workspace's manifest above `folder`: the outermost `[workspace]`, else the nearest package.
-fn workspace_folder(folder: &Path) -> Result<Option<PathBuf>, PackError> {
+pub(crate) fn workspace_folder(folder: &Path) -> Result<Option<PathBuf>, PackError> {
     let mut nearest = None;
     for above in folder.ancestors().filter(|above| above.join("Cargo.toml").is_file()) {
         if read(&above.join("Cargo.toml"))?.workspace.is_some() {

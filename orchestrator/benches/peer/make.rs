@@ -84,7 +84,8 @@ pub fn packed(ports: usize) -> Result<PathBuf, Box<dyn Error>> {
         fs::copy(here.join("../Cargo.lock"), workspace.join("Cargo.lock"))?;
     }
     let unit = UnitCrate::at(&workspace.join(format!("relay_{ports}")))?;
-    Ok(pack::pack(&unit, &library_description, &unit.archive())?)
+    pack::pack(&unit, &library_description, &unit.archive())?;
+    Ok(unit.archive())
 }
 
 /// Writes a file unless it has this content: cargo would rebuild a file with a newer time.

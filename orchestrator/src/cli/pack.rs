@@ -38,9 +38,12 @@ impl Pack {
                 None => unit.archive(),
             };
             match pack::pack(unit, &unit::describe::describe_library, &archive) {
-                Ok(path) => report::result(&format!("{}\n", printable::path(path))),
+                Ok(newer) => {
+                    pack::warning(&unit.name, &newer).iter().for_each(|warning| report::status(warning));
+                    report::result(&format!("{}\n", printable::path(archive)));
+                }
                 Err(error) => {
-                    report::error(&error, None);
+                    report::error(&error, error.help());
                     return 2;
                 }
             }

@@ -1,8 +1,9 @@
 //! Finds the units that a script names, and builds those of the user's own workspace that are stale.
 //!
 //! A name that ends in `.fmu` or `.FMU` is a path beside the script. Any other name is looked up in the folders of
-//! `--units` and of `LOCKSTEP_UNITS`, then among the packed units of the cargo workspace that the script is in, then among
-//! the unit crates of the workspace that the user's current folder is in. Nothing outside of the latter is ever built.
+//! `--units` and of `LOCKSTEP_UNITS`, then among the unit crates of cargo workspaces that `--units` names, then among the
+//! packed units of the workspace that the script is in, then among the unit crates of the workspace that the user's current
+//! folder is in. Nothing else is ever built, so that a script from elsewhere cannot make this program build anything.
 
 use dsl::loader::Problem as UnitProblem;
 use fmi2::printable;
@@ -17,6 +18,8 @@ pub struct Catalogue {
     folders: Vec<PathBuf>,
     /// The first folder of the environment that is none.
     missing: Option<PathBuf>,
+    /// The cargo workspaces that the command line names.
+    named_workspaces: Vec<Workspace>,
     workspace: Option<Workspace>,
     build: bool,
     /// A file that the command line names, and the name by which it is looked up.
@@ -68,10 +71,13 @@ impl Catalogue {
             let unreadable = |source| pack::PackError::File { path: folder.clone(), doing: "read", source };
             std::fs::read_dir(folder).map_err(unreadable)?;
         }
-        Ok(Self { folders, missing: None, workspace: Workspace::around(current)?, build, named: None })
+        let named_workspaces =
+            folders.iter().filter_map(|folder| workspace_at(folder).transpose()).collect::<Result<_, _>>()?;
+        let workspace = Workspace::around(current)?;
+        Ok(Self { folders, missing: None, named_workspaces, workspace, build, named: None })
     }
 
-    /// The same with the folders that `LOCKSTEP_UNITS` names behind these.
+    /// The same with the folders that `LOCKSTEP_UNITS` names behind these; of a workspace the packed units.
     ///
     /// # Errors
     /// If one of the folders or a `Cargo.toml` of that workspace cannot be read; a folder of the environment that is none
@@ -81,7 +87,12 @@ impl Catalogue {
         let named = std::env::var_os(UNIT_FOLDERS).unwrap_or_default();
         let named = std::env::split_paths(&named).filter(|folder| !folder.as_os_str().is_empty());
         let (folders, missing): (Vec<_>, Vec<_>) = named.partition(|folder| folder.is_dir());
-        catalogue.folders.extend(folders);
+        for folder in folders {
+            let packed =
+                workspace_at(&folder)?.and_then(|found| Some(found.units.first()?.archive().parent()?.to_path_buf()));
+            catalogue.folders.push(folder);
+            catalogue.folders.extend(packed.filter(|folder| folder.is_dir()));
+        }
         catalogue.missing = missing.into_iter().next();
         Ok(catalogue)
     }
@@ -102,7 +113,8 @@ impl Catalogue {
     #[must_use]
     pub fn entries(&self) -> Vec<Entry> {
         let packed = self.folders.iter().flat_map(|folder| archives_in(folder));
-        let crates = self.workspace.iter().flat_map(|workspace| &workspace.units);
+        let workspaces = self.named_workspaces.iter().chain(&self.workspace);
+        let crates = workspaces.flat_map(|workspace| &workspace.units);
         let crates = crates.map(|unit| Entry { name: unit.name.clone(), origin: Origin::Crate(unit.clone()) });
         let mut entries: Vec<_> = packed.chain(crates).collect();
         entries.sort_by(|a, b| a.name.cmp(&b.name));
@@ -128,6 +140,12 @@ impl Catalogue {
         let found = self.entries().into_iter().find(|entry| entry.name == name).map(|entry| entry.origin);
         if let Some(Origin::Archive(path)) = found {
             return Ok(path);
+        }
+        let is_named = |unit: &UnitCrate| self.named_workspaces.iter().any(|named| named.units.contains(unit));
+        if let Some(Origin::Crate(unit)) =
+            found.as_ref().filter(|found| matches!(found, Origin::Crate(unit) if is_named(unit)))
+        {
+            return self.built(unit);
         }
         let of_script = self.workspace_of_script(folder)?;
         let of_script = of_script.iter().flat_map(|workspace| &workspace.units).find(|unit| unit.name == name);
@@ -159,8 +177,10 @@ impl Catalogue {
             return Err(UnitProblem { message, help: Some(help) });
         }
         results::report::status(&format!("building unit `{}`", unit.name));
-        pack::pack(unit, &unit::describe::describe_library, &archive)
-            .map_err(|error| UnitProblem { message: error.to_string(), help: None })
+        let newer = pack::pack(unit, &unit::describe::describe_library, &archive)
+            .map_err(|error| UnitProblem { message: error.to_string(), help: error.help().map(str::to_owned) })?;
+        pack::warning(&unit.name, &newer).iter().for_each(|warning| results::report::status(warning));
+        Ok(archive)
     }
 
     fn unknown(&self, name: &str) -> UnitProblem {
@@ -178,10 +198,16 @@ impl Catalogue {
     }
 }
 
+/// The workspace or unit crate whose folder this is.
+fn workspace_at(folder: &Path) -> Result<Option<Workspace>, pack::PackError> {
+    if folder.join("Cargo.toml").is_file() { Workspace::around(folder) } else { Ok(None) }
+}
+
 /// That a unit of another workspace than the user's is not packed.
 fn not_packed(unit: &UnitCrate) -> UnitProblem {
     let message = format!("unit `{}` of the workspace that this script is in is not packed", unit.name);
-    let help = format!("run `lockstep pack {}` in {}", unit.name, printable::path(&unit.folder));
+    let folder = printable::path(&unit.workspace);
+    let help = format!("run `lockstep pack {}` in {folder}, or allow it to be built: --units {folder}", unit.name);
     UnitProblem { message, help: Some(help) }
 }
 
@@ -251,7 +277,9 @@ mod tests {
         let from_elsewhere = Catalogue::new(Vec::new(), root.path(), true).unwrap();
         let problem = from_elsewhere.find("tank", &theirs.join("scenarios")).unwrap_err();
         assert_eq!(problem.message, "unit `tank` of the workspace that this script is in is not packed");
-        assert_eq!(problem.help, Some(format!("run `lockstep pack tank` in {}", theirs.display())));
+        let folder = theirs.display();
+        let help = format!("run `lockstep pack tank` in {folder}, or allow it to be built: --units {folder}");
+        assert_eq!(problem.help, Some(help));
         let archive = UnitCrate::archive(&Workspace::around(&theirs).unwrap().unwrap().units[0]);
         std::fs::create_dir_all(archive.parent().unwrap()).unwrap();
         std::fs::write(&archive, "").unwrap();
@@ -262,6 +290,19 @@ mod tests {
         let inside = Catalogue::new(Vec::new(), &theirs, false).unwrap();
         let stale = inside.find("tank", &theirs.join("scenarios"));
         assert!(stale.is_err(), "inside of the workspace a crate is built when it is stale: {stale:?}");
+    }
+
+    #[test]
+    fn a_workspace_that_the_command_line_names_offers_its_crates() {
+        let root = tempfile::tempdir().unwrap();
+        let theirs = root.path().join("theirs");
+        std::fs::create_dir(&theirs).unwrap();
+        std::fs::write(theirs.join("Cargo.toml"), "[package]\nname = \"tank\"\n[package.metadata.fmu]\n").unwrap();
+        let named = Catalogue::new(vec![theirs.clone()], root.path(), false).unwrap();
+        let problem = named.find("tank", root.path()).unwrap_err();
+        assert_eq!(problem.message, "unit `tank` is not built, or older than its sources");
+        let plain = Catalogue::new(Vec::new(), root.path(), false).unwrap();
+        assert_eq!(plain.find("tank", root.path()).unwrap_err().message, "there is no unit `tank`");
     }
 
     #[test]

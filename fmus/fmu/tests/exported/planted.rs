@@ -19,7 +19,7 @@ struct Wrong {
     #[parameter(start = 1.0, unit = "1")]
     gain: f64,
     /// Wrong bounds
-    #[parameter(start = 3.0, unit = "1", max = 2.0)]
+    #[parameter(start = 3.0, unit = "1", max = 1.0 + 1.0)]
     bound: f64,
     /// Moves with the input at once
     #[output(unit = "m", depends(), init(depends(input)))]

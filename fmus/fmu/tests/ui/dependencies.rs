@@ -2,14 +2,19 @@
 
 use fmu::Fmu;
 
+/// A struct or enum
 #[derive(Fmu)]
 struct Unit {
+    /// A port
     #[input(unit = "m")]
     length: f64,
+    /// A port
     #[output(unit = "m", depends(lenght))]
     unknown: f64,
+    /// A port
     #[output(unit = "m", depends(unknown))]
     computed: f64,
+    /// A port
     #[output(unit = "m", depends(), init(depends(hidden)))]
     on_hidden: f64,
     hidden: f64,

@@ -2,14 +2,17 @@
 
 use fmu::{FmiEnum, Fmu, Group};
 
+/// A struct or enum
 #[derive(Fmu)]
 struct Tuple(f64);
 
+/// A struct or enum
 #[derive(Fmu)]
 struct Generic<T> {
     inner: T,
 }
 
+/// A struct or enum
 #[derive(Fmu)]
 struct PortInAUnit {
     #[port(unit = "m")]
@@ -20,14 +23,29 @@ struct PortInAUnit {
 struct Mixed {
     #[port(unit = "m")]
     outside: f64,
+    /// A port
     #[input(unit = "m")]
     inside: f64,
 }
 
-#[derive(FmiEnum)]
+/// A struct or enum
+#[derive(FmiEnum, Clone, Copy)]
 enum Data {
+    /// Nothing
     Empty,
+    /// Something
     Full(f64),
+}
+
+#[derive(FmiEnum, Clone, Copy)]
+enum Undescribed {
+    Item,
+}
+
+#[derive(Fmu)]
+struct UnitWithoutWords {
+    #[input(unit = "m")]
+    length: f64,
 }
 
 fn main() {}

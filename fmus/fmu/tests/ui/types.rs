@@ -3,22 +3,31 @@
 use fmu::{Fmu, Group};
 use nalgebra::Vector3;
 
+/// A struct or enum
 #[derive(Fmu)]
 struct Unit {
+    /// A port
     #[input]
     without_unit: Vector3<f64>,
+    /// A port
     #[input(unit = "1")]
     integer_with_unit: i32,
+    /// A port
     #[parameter(unit = "m")]
     without_start: f64,
+    /// A port
     #[input(start = [0.0; 3], unit = "m")]
     wrong_length: [f64; 4],
+    /// A port
     #[input(start = 1, unit = "m")]
     wrong_start: f64,
+    /// A port
     #[input(min = 0)]
     switch_with_bound: bool,
+    /// A port
     #[input]
     no_port: Vec<f64>,
+    /// A port
     #[input]
     roles_inside: Inside,
     #[group]
@@ -27,6 +36,7 @@ struct Unit {
 
 #[derive(Group)]
 struct Inside {
+    /// A port
     #[input(unit = "m")]
     length: f64,
 }
