@@ -10,8 +10,11 @@
 //! Next on the path of a value: `dsl/src/resolve`, which looks names up in the [`description`].
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "description")]
 pub mod c;
+#[cfg(feature = "description")]
 pub mod calls;
+#[cfg(feature = "description")]
 pub mod description;
 pub mod platform;
 pub mod printable;

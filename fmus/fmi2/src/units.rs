@@ -9,10 +9,10 @@ mod table;
 use std::fmt;
 
 pub use parse::{Cause, UnknownUnit, parse};
-use serde::{Deserialize, Serialize};
 
 /// Exponents of the eight base units of FMI, in the order kg m s A K mol cd rad.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "description", derive(serde::Serialize, serde::Deserialize))]
 pub struct Dimension(pub [i8; 8]);
 
 impl Dimension {
@@ -81,7 +81,8 @@ impl fmt::Display for Dimension {
 }
 
 /// `BaseUnit`: `si = factor * value + offset`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "description", derive(serde::Serialize, serde::Deserialize))]
 pub struct BaseUnit {
     /// Exponents of the base units.
     pub dimension: Dimension,
@@ -134,7 +135,8 @@ impl BaseUnit {
 }
 
 /// `new = factor * old + offset`, between two units of one dimension or from a unit to its display unit.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "description", derive(serde::Serialize, serde::Deserialize))]
 pub struct Conversion {
     /// Factor.
     pub factor: f64,

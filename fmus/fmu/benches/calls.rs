@@ -52,7 +52,8 @@ fn instance() -> *mut c_void {
         step_finished: None,
         component_environment: std::ptr::null_mut(),
     };
-    let guid = LIBRARY.xml().split("guid=\"").nth(1).and_then(|rest| rest.split('"').next());
+    let xml = LIBRARY.xml();
+    let guid = xml.split("guid=\"").nth(1).and_then(|rest| rest.split('"').next());
     let guid = CString::new(guid.unwrap_or_default()).unwrap_or_default();
     // SAFETY: strings and callbacks live until the call returns; the component is alive.
     unsafe {

@@ -7,10 +7,10 @@ use crate::step::Time;
 use fmi2::c::Status;
 use fmi2::calls::State;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
+use twox_hash::XxHash3_128;
 
 /// The first bytes of every serialized state; the last one is the version of this format.
-const MAGIC: &[u8; 8] = b"LOCKSTP\x01";
+const MAGIC: &[u8; 8] = b"LOCKSTP\x02";
 
 /// A saved state.
 pub(crate) struct Saved {
@@ -25,8 +25,8 @@ struct Header {
     guid: String,
     /// Size of the unit's struct: another build may have another hidden state.
     size: u64,
-    /// SHA-256 of the payload.
-    checksum: [u8; 32],
+    /// Hash of the payload.
+    checksum: u128,
 }
 
 /// The payload.
@@ -124,7 +124,7 @@ impl Instance {
         Header {
             guid: self.body.described().description.guid.clone(),
             size: self.body.slots().size as u64,
-            checksum: Sha256::digest(payload).into(),
+            checksum: XxHash3_128::oneshot(payload),
         }
     }
 }

@@ -10,8 +10,10 @@ use std::process::{Command, Stdio};
 
 /// The profile of units, in the place of cargo's `dev`, so that `cargo test` can share its dependencies.
 /// Panics must unwind, because the export layer converts them to `fmi2Error`.
-const PROFILE: [(&str, &str); 9] = [
+const PROFILE: [(&str, &str); 10] = [
     ("opt-level", "3"),
+    // It describes the unit, once for each instance: it need not be fast, and compiles in half the time.
+    ("package.fmi2.opt-level", "1"),
     ("debug", "false"),
     ("strip", "true"),
     ("lto", "\"off\""),
