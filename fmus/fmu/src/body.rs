@@ -5,19 +5,18 @@
 #![allow(unsafe_code, reason = "scalars are reached through offsets, one table look-up each")]
 
 use crate::describe::Described;
-use crate::library::{Library, Unit};
+use crate::library::{Library, SharedDescription, Unit};
 use crate::model::{Context, Fault, Outcome};
 use crate::port::FmiEnum;
 use crate::slots::{IntegerAccess, Slots};
 use crate::step::Step;
 use crate::visitor::EnumerationAccess;
-use std::sync::Arc;
 
 /// A unit at a fixed address in memory, with the table of its scalars.
 pub(crate) struct Body {
     /// From `Box::into_raw`; freed in `drop`.
     unit: *mut dyn Unit,
-    described: Arc<Described>,
+    described: SharedDescription,
 }
 
 impl Body {
@@ -29,7 +28,7 @@ impl Body {
         Self { unit: Box::into_raw(unit), described }
     }
 
-    pub(crate) fn described(&self) -> &Arc<Described> {
+    pub(crate) fn described(&self) -> &Described {
         &self.described
     }
 

@@ -10,10 +10,12 @@ use std::process::{Command, Stdio};
 
 /// The profile of units, in the place of cargo's `dev`, so that `cargo test` can share its dependencies.
 /// Panics must unwind, because the export layer converts them to `fmi2Error`.
-const PROFILE: [(&str, &str); 10] = [
+const PROFILE: [(&str, &str); 11] = [
     ("opt-level", "3"),
-    // It describes the unit, once for each instance: it need not be fast, and compiles in half the time.
-    ("package.fmi2.opt-level", "1"),
+    // Half of the build's time are these two. The first describes the unit, once for each instance; of the second the generic
+    // code, which is compiled where it is used, is what counts.
+    ("package.fmi2.opt-level", "0"),
+    ("package.nalgebra.codegen-units", "16"),
     ("debug", "false"),
     ("strip", "true"),
     ("lto", "\"off\""),
