@@ -25,6 +25,12 @@ pub fn lockstep() -> PathBuf {
     found.unwrap_or_default()
 }
 
+/// Where tests let cargo build units outside of the repository, in the place of the user's own cache.
+#[must_use]
+pub fn unit_builds() -> PathBuf {
+    lockstep().parent().and_then(Path::parent).map(|target| target.join("tests-cache")).unwrap_or_default()
+}
+
 /// The names in a folder, sorted.
 ///
 /// # Panics

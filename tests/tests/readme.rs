@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use tests::program::{Said, lockstep, repository, run};
+use tests::program::{Said, lockstep, repository, run, unit_builds};
 
 /// The text below a heading, up to the next one.
 fn section(heading: &str) -> String {
@@ -29,6 +29,7 @@ fn typed(line: &str, folder: &PathBuf) -> Said {
     let mut shell = Command::new("sh");
     shell.args(["-e", "-c", line]).current_dir(folder).stdin(Stdio::null());
     shell.env("PATH", std::env::join_paths(programs).unwrap()).env_remove("CARGO_TARGET_DIR");
+    shell.env("XDG_CACHE_HOME", unit_builds());
     shell.output().unwrap().into()
 }
 
@@ -45,6 +46,7 @@ fn the_first_unit_and_script_in_five_minutes_work_outside_the_repository() {
         let said = typed(line, &folder);
         assert_eq!(said.code, Some(0), "{line}\n{}{}", said.out, said.err);
     }
+    assert_eq!(folder, home.path().join("my_units"));
     let archive = folder.join("target/fmus/my_lag.fmu");
     assert!(fs::read(&archive).is_ok_and(|bytes| bytes.starts_with(b"PK")), "{}", archive.display());
     assert!(folder.join("runs/my_lag/plot.svg").is_file());
