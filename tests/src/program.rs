@@ -1,5 +1,6 @@
 //! Runs the `lockstep` program as a user does, and locates it and the repository.
 
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
@@ -70,6 +71,8 @@ impl From<Output> for Said {
 #[must_use]
 pub fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(lockstep());
+    // As where it is installed: hints show how the program was started.
+    command.arg0("lockstep");
     command.args(arguments).current_dir(folder).stdin(Stdio::null());
     command
 }

@@ -57,9 +57,10 @@ impl Unit {
         let name = &self.name;
         let [unit, script] = pack::first_files(name).map(printable::path);
         let width = unit.len().max(script.len());
+        let program = report::invocation::program();
         report::result(&format!(
             "{unit:<width$}  the unit, with a test\n{script:<width$}  a script that runs it\n\n\
-             cd {name}\ncargo test\nlockstep run {name}.scn\nlockstep pack .\n"
+             cd {name}\ncargo test\n{program} run {name}.scn\n{program} pack .\n"
         ));
         if let Some(note) = new.note {
             report::status(&note);

@@ -8,6 +8,7 @@
 use dsl::loader::Problem as UnitProblem;
 use fmi2::printable;
 use pack::{UnitCrate, Workspace};
+use results::report::invocation::program;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -173,7 +174,7 @@ impl Catalogue {
         }
         if !self.build {
             let message = format!("unit `{}` is not built, or older than its sources", unit.name);
-            let help = format!("leave out --no-build, or run: lockstep pack {}", unit.name);
+            let help = format!("leave out --no-build, or run: {} pack {}", program(), unit.name);
             return Err(UnitProblem { message, help: Some(help) });
         }
         results::report::status(&format!("building unit `{}`", unit.name));
@@ -187,12 +188,12 @@ impl Catalogue {
         let entries = self.entries();
         let names = entries.iter().map(|entry| entry.name.as_str());
         let help = match dsl::nearest::nearest(name, names) {
-            Some(near) => format!("did you mean `{near}`? All units: lockstep describe"),
+            Some(near) => format!("did you mean `{near}`? All units: {} describe", program()),
             None if entries.is_empty() => {
                 "name a file, \"my_unit.fmu\", or a folder of them, --units DIR; here is no cargo workspace with units"
                     .to_owned()
             }
-            None => format!("{} units are here: lockstep describe", entries.len()),
+            None => format!("{} units are here: {} describe", entries.len(), program()),
         };
         UnitProblem { message: format!("there is no unit `{name}`"), help: Some(help) }
     }
