@@ -68,6 +68,23 @@ fn the_readme_is_correct_about_isolated_and_continued_runs() {
 }
 
 #[test]
+fn what_the_comparison_with_other_tools_names_as_shown_exists() {
+    let page = fs::read_to_string(repository().join("docs/compare.md")).unwrap();
+    let shown = page.split_once("\n## What shows the statements").unwrap().1.split("\n## ").next().unwrap();
+    let quoted: Vec<_> = shown.split('`').skip(1).step_by(2).map(|text| text.replace('\n', "")).collect();
+    let files: Vec<_> = quoted.iter().filter(|text| text.ends_with(".rs") || text.ends_with(".py")).collect();
+    let texts: Vec<_> =
+        files.iter().map(|file| fs::read_to_string(repository().join(file)).unwrap_or_default()).collect();
+    assert!(files.len() > 15 && texts.iter().all(|text| !text.is_empty()), "{files:?}");
+    let is_function = |text: &&String| text.chars().all(|letter| letter == '_' || letter.is_ascii_alphanumeric());
+    for function in quoted.iter().filter(is_function) {
+        let defined = [format!("fn {function}("), format!("def {function}(")];
+        let found = texts.iter().any(|text| defined.iter().any(|definition| text.contains(definition)));
+        assert!(found, "`{function}` is in none of {files:?}");
+    }
+}
+
+#[test]
 fn no_line_of_the_readme_is_a_placeholder() {
     let readme = fs::read_to_string(repository().join("README.md")).unwrap();
     let is_placeholder = |line: &&str| line.len() > 2 && line.chars().all(|letter| letter.is_ascii_uppercase());
