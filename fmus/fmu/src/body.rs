@@ -6,10 +6,9 @@
 
 use crate::describe::Described;
 use crate::library::{Library, SharedDescription, Unit};
-use crate::model::{Context, Fault, Outcome};
+use crate::model::{Context, Fault};
 use crate::port::FmiEnum;
 use crate::slots::{IntegerAccess, Slots};
-use crate::step::Step;
 use crate::visitor::EnumerationAccess;
 
 /// A unit at a fixed address in memory, with the table of its scalars.
@@ -41,16 +40,6 @@ impl Body {
     pub(crate) fn init(&mut self, context: &mut Context) -> Result<(), Fault> {
         self.unit_mut().init(context)?;
         self.outputs(context.start_s)
-    }
-
-    /// Makes a step and computes the outputs at the time up to which it was made.
-    pub(crate) fn step(&mut self, step: Step, context: &mut Context) -> Result<Outcome, Fault> {
-        let outcome = self.unit_mut().step(step, context)?;
-        match outcome {
-            Outcome::Done => self.outputs(step.end_s())?,
-            Outcome::AcceptedUntil(time_s) | Outcome::Terminated(time_s) => self.outputs(time_s)?,
-        }
-        Ok(outcome)
     }
 
     /// Computes the outputs and checks that they are finite.

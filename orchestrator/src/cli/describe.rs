@@ -124,6 +124,27 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_json_has_limits_items_and_dependencies() {
+        let xml = br#"<?xml version="1.0"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Tank" guid="g">
+  <CoSimulation modelIdentifier="tank"/>
+  <TypeDefinitions><SimpleType name="Valve"><Enumeration><Item name="shut" value="1"/><Item name="open" value="2"/></Enumeration>
+  </SimpleType></TypeDefinitions>
+  <ModelVariables>
+    <ScalarVariable name="valve" valueReference="0" causality="input" variability="discrete"><Enumeration declaredType="Valve" start="2"/></ScalarVariable>
+    <ScalarVariable name="level" valueReference="0" causality="output"><Real min="0"/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure><Outputs><Unknown index="2" dependencies="1"/></Outputs></ModelStructure>
+</fmiModelDescription>"#;
+        let (description, _) = fmi2::description::read::read(xml).unwrap();
+        let json = serde_json::to_value(UnitPage::new(&description)).unwrap();
+        let [valve, level] = [&json["variables"][0], &json["variables"][1]];
+        assert_eq!((&valve["type"], &valve["start"]), (&"Enumeration".into(), &"open".into()));
+        assert_eq!((&valve["items"][1]["name"], &valve["items"][1]["value"]), (&"open".into(), &2.into()));
+        assert_eq!((&level["min"], &level["depends"]), (&0.0.into(), &serde_json::json!(["valve"])));
+    }
+
+    #[test]
     fn the_line_to_paste_names_the_unit_and_declares_a_name() {
         assert_eq!(to_paste(OsStr::new("units/my-tank.fmu")), "\nto paste\n  fmu my_tank = \"units/my-tank.fmu\"\n");
         assert_eq!(to_paste(OsStr::new("wind")), "\nto paste\n  fmu wind = \"wind\"\n");

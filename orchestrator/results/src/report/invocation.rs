@@ -1,4 +1,5 @@
-//! How the user started this program, so that the commands in hints can be pasted as they stand.
+//! How the user started this program, so that the commands that the program itself offers can be pasted as they stand. What
+//! `dsl` and `results` say about commands names them as `lockstep`.
 
 use fmi2::printable;
 use std::ffi::OsString;
@@ -21,7 +22,7 @@ fn started_as(path: OsString, package: Option<OsString>) -> String {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     match folder {
         None => "lockstep".to_owned(),
-        Some(folder) if package.is_some_and(|package| package == "orchestrator") => {
+        Some(folder) if path.ends_with("lockstep") && package.is_some_and(|package| package == "orchestrator") => {
             let profile = if folder.ends_with("release") { " --release" } else { "" };
             format!("cargo run{profile} --")
         }
