@@ -40,7 +40,7 @@ fn workspace() -> tempfile::TempDir {
 fn two_units_in_one_folder_are_tested_run_and_plotted() {
     let home = workspace();
     let manifest = fs::read_to_string(home.path().join("Cargo.toml")).unwrap();
-    assert!(manifest.contains("members = [\"my_lag\", \"my_filter\"]"), "{manifest}");
+    assert!(manifest.contains("members = [\"my_filter\", \"my_lag\"]"), "{manifest}");
     let tested = started(Path::new("cargo"), home.path(), &["test", "--offline"]);
     assert_eq!(tested.code, Some(0), "{}{}", tested.out, tested.err);
     assert_eq!(tested.out.matches("test two_half_steps_are_one_step ... ok").count(), 2, "{}", tested.out);

@@ -5,6 +5,7 @@ use crate::find::preparation::Refusal;
 use dsl::nearest::nearest;
 use dsl::scenario::{Column, Port};
 use fmi2::description::{BaseType, Causality, ModelDescription, Variable};
+use results::report::invocation::program;
 
 /// What is recorded.
 #[derive(Clone, Debug, Default, PartialEq)]
