@@ -1,0 +1,229 @@
+//! Which signals a picture shows: those that were asked for, or else paths, what the claims are about, and a few more.
+
+use super::claimed::{self, Limit};
+use super::run::Run;
+use super::trace::{Kind, Samples, display_unit, group_of};
+use super::{PlotError, Selection};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Without a choice of signals a picture has at most this many panels of what no claim is about, less those of claims.
+const DEFAULT_PANELS: usize = 4;
+/// And at most this many in all.
+const MOST_PANELS: usize = 8;
+
+/// What a picture shows.
+#[derive(Debug, Default)]
+pub(super) struct Choice {
+    /// Position groups; the first is the main one.
+    pub paths: Vec<String>,
+    pub panels: Vec<Panel>,
+    /// How many of the recorded columns are drawn, of how many.
+    pub shown: (usize, usize),
+}
+
+/// What one panel shows.
+#[derive(Debug)]
+pub(super) struct Panel {
+    pub kind: Kind,
+    pub unit: String,
+    pub curves: Vec<Curve>,
+    pub limits: Vec<Limit>,
+    /// The names of an enumeration's values.
+    pub items: BTreeMap<i32, String>,
+}
+
+/// One signal, with its samples in each run.
+#[derive(Debug)]
+pub(super) struct Curve {
+    pub name: String,
+    pub of_runs: Vec<Samples>,
+}
+
+/// What a panel is made of.
+enum Spec<'a> {
+    Columns(Vec<&'a str>),
+    /// A comparison of the first run's claims: the indices of claim and comparison.
+    Claimed(usize, usize),
+}
+
+impl Choice {
+    pub(super) fn new(runs: &[Run], selection: &Selection) -> Result<Self, PlotError> {
+        let Some(first) = runs.first() else { return Err(PlotError::Empty) };
+        let chooser = Chooser { runs, first };
+        let (paths, specs) =
+            if selection.signals.is_empty() { chooser.by_default() } else { chooser.chosen(&selection.signals)? };
+        let mut columns: BTreeSet<String> = BTreeSet::new();
+        for path in &paths {
+            columns.extend(["x", "y", "z"].map(|axis| format!("{path}.{axis}")));
+        }
+        for spec in &specs {
+            match spec {
+                Spec::Columns(names) => columns.extend(names.iter().map(|name| (*name).to_owned())),
+                Spec::Claimed(claim, index) => columns.extend(
+                    first.claims[*claim].comparisons[*index].quantity.columns().into_iter().map(str::to_owned),
+                ),
+            }
+        }
+        for name in selection.modes.iter().chain(&selection.mark) {
+            if first.table.column(name).is_none() {
+                return Err(PlotError::Unknown(name.clone()));
+            }
+            columns.insert(name.clone());
+        }
+        for group in selection.circles.iter().chain(&selection.points) {
+            columns.extend(first.members(group).into_iter().map(str::to_owned));
+        }
+        let recorded: BTreeSet<_> = first.table.names().skip(1).collect();
+        let shown = columns.iter().filter(|name| recorded.contains(name.as_str())).count();
+        let panels = specs.into_iter().map(|spec| chooser.panel(spec)).collect();
+        Ok(Self { paths, panels, shown: (shown, recorded.len()) })
+    }
+}
+
+struct Chooser<'a> {
+    runs: &'a [Run],
+    first: &'a Run,
+}
+
+impl<'a> Chooser<'a> {
+    /// What may share a panel: columns of one group, unit and kind; an enumeration or a Boolean has one of its own.
+    fn together(&self, a: &str, b: &str) -> bool {
+        let alike = self.first.unit(a) == self.first.unit(b) && self.first.kind(a) == self.first.kind(b);
+        alike && matches!(self.first.kind(a), Kind::Real | Kind::Integer)
+    }
+
+    fn chosen(&self, signals: &[String]) -> Result<(Vec<String>, Vec<Spec<'a>>), PlotError> {
+        let (mut paths, mut specs) = (Vec::new(), Vec::new());
+        for names in signals {
+            let mut columns = Vec::new();
+            for name in names.split(',') {
+                let members = self.first.members(name);
+                let claim = self.first.claims.iter().position(|claim| claim.name == name);
+                match (self.first.path(name), members.is_empty(), claim) {
+                    (Some(_), ..) => paths.push(name.to_owned()),
+                    (None, false, _) => columns.extend(members),
+                    (None, true, Some(claim)) => specs.extend(self.of_claim(claim)),
+                    (None, true, None) => return Err(PlotError::Unknown(name.to_owned())),
+                }
+            }
+            let panels = columns.chunk_by(|a, b| self.together(a, b));
+            specs.extend(panels.map(|names| Spec::Columns(names.to_vec())));
+        }
+        Ok((paths, specs))
+    }
+
+    /// The panels that show what a claim is about.
+    fn of_claim(&self, claim: usize) -> Vec<Spec<'a>> {
+        let first: &'a Run = self.first;
+        let comparisons = first.claims[claim].comparisons.iter().enumerate();
+        let mut specs: Vec<Spec<'a>> = Vec::new();
+        let mut add = |names: Vec<&'a str>| {
+            let has = |spec: &Spec<'_>| matches!(spec, Spec::Columns(known) if known.iter().any(|name| names.contains(name)));
+            if !names.is_empty() && !specs.iter().any(has) {
+                specs.push(Spec::Columns(names));
+            }
+        };
+        let mut derived = Vec::new();
+        let mut covered: Vec<&str> = Vec::new();
+        for (index, comparison) in comparisons {
+            covered.extend(comparison.quantity.columns());
+            match claimed::column_of(comparison).and_then(|name| first.table.column(name)) {
+                Some(column) => add(self.beside(&column.name)),
+                None if comparison.quantity.columns().iter().all(|name| first.table.column(name).is_some()) => {
+                    derived.push(Spec::Claimed(claim, index));
+                }
+                None => {}
+            }
+        }
+        for name in &first.claims[claim].signals {
+            if let Some(column) = first.table.column(name).filter(|_| !covered.contains(&name.as_str())) {
+                add(self.beside(&column.name));
+            }
+        }
+        derived.extend(specs);
+        derived
+    }
+
+    /// A column with those that share its panel.
+    fn beside(&self, name: &'a str) -> Vec<&'a str> {
+        let first: &'a Run = self.first;
+        let same = |other: &&str| {
+            *other == name || group_of(other) == group_of(name) && group_of(name) != name && self.together(other, name)
+        };
+        let names: Vec<_> = first.table.names().skip(1).filter(same).collect();
+        if names.len() > 6 { vec![name] } else { names }
+    }
+
+    /// All position groups; what the claims are about; then the first groups of columns that are no positions.
+    fn by_default(&self) -> (Vec<String>, Vec<Spec<'a>>) {
+        let first: &'a Run = self.first;
+        let groups = first.table.names().filter_map(|name| name.strip_suffix(".x")).filter(|g| g.ends_with("position"));
+        let mut paths: Vec<_> = groups.filter(|group| first.path(group).is_some()).map(str::to_owned).collect();
+        // Actual positions come before setpoints.
+        paths.sort_by_key(|path| path.contains("setpoint"));
+        let in_path = |name: &str| {
+            paths.iter().any(|path| name.strip_prefix(path.as_str()).is_some_and(|rest| rest.starts_with('.')))
+        };
+        let mut specs: Vec<Spec<'a>> = Vec::new();
+        let is_shown = |specs: &[Spec<'_>], names: &[&str]| {
+            specs.iter().any(|spec| matches!(spec, Spec::Columns(known) if names.iter().all(|name| known.contains(name))))
+        };
+        for claim in 0..first.claims.len() {
+            for spec in self.of_claim(claim) {
+                match &spec {
+                    Spec::Columns(names) if is_shown(&specs, names) => {}
+                    _ if specs.len() < MOST_PANELS => specs.push(spec),
+                    _ => {}
+                }
+            }
+        }
+        for name in first.table.names().skip(1).filter(|name| !in_path(name)) {
+            let names: Vec<_> = self.beside(name).into_iter().filter(|name| !in_path(name)).collect();
+            if specs.len() < DEFAULT_PANELS && !is_shown(&specs, &[name]) {
+                specs.push(Spec::Columns(names));
+            }
+        }
+        (paths, specs)
+    }
+
+    fn panel(&self, spec: Spec<'_>) -> Panel {
+        match spec {
+            Spec::Columns(names) => self.columns(&names),
+            Spec::Claimed(claim, index) => self.claimed(claim, index),
+        }
+    }
+
+    fn columns(&self, names: &[&str]) -> Panel {
+        let kind = names.first().map_or(Kind::Real, |name| self.first.kind(name));
+        let unit = names.first().map(|name| self.first.unit(name)).unwrap_or_default();
+        let (shown_unit, factor) = if kind == Kind::Real { display_unit(unit) } else { (unit, 1.0) };
+        let of_run = |run: &Run, name: &str| {
+            run.samples(name).into_iter().map(|(time_s, value)| (time_s, value * factor)).collect()
+        };
+        let curve = |name: &&str| Curve {
+            name: (*name).to_owned(),
+            of_runs: self.runs.iter().map(|run| of_run(run, name)).collect(),
+        };
+        let items = names.first().and_then(|name| self.first.table.column(name)).map(|column| column.items.clone());
+        Panel {
+            kind,
+            unit: shown_unit.to_owned(),
+            curves: names.iter().map(curve).collect(),
+            limits: claimed::limits_of_columns(self.first, names, factor),
+            items: items.unwrap_or_default(),
+        }
+    }
+
+    fn claimed(&self, claim: usize, index: usize) -> Panel {
+        let comparison = &self.first.claims[claim].comparisons[index];
+        let of_runs = self.runs.iter().map(|run| claimed::samples(run, &comparison.quantity));
+        let curve = Curve { name: claimed::quantity_text(comparison), of_runs: of_runs.collect() };
+        Panel {
+            kind: Kind::Real,
+            unit: comparison.unit.clone().unwrap_or_default(),
+            curves: vec![curve],
+            limits: claimed::limit(self.first, claim, index, 1.0).into_iter().collect(),
+            items: BTreeMap::new(),
+        }
+    }
+}
