@@ -21,6 +21,9 @@ pub struct Comparison {
     pub low: Option<f64>,
     /// The upper limit.
     pub high: Option<f64>,
+    /// Whether one sample within the limits is enough, as below `eventually`; then a margin is that of the best sample.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub once: bool,
     /// The first simulated second at which it counts.
     pub from_s: f64,
     /// The last; `None` is the end of the run.

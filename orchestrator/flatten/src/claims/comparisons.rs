@@ -25,10 +25,12 @@ struct Counting {
     window: TickWindow,
     /// A gate is only a condition for something else.
     in_gate: bool,
+    /// One sample is enough.
+    once: bool,
 }
 
 impl Counting {
-    const AT_START: Self = Self { window: TickWindow { from: 0, to: Some(0) }, in_gate: false };
+    const AT_START: Self = Self { window: TickWindow { from: 0, to: Some(0) }, in_gate: false, once: false };
 
     fn within(self, window: TickWindow) -> Self {
         let from = self.window.from.saturating_add(window.from);
@@ -77,14 +79,15 @@ impl Writer<'_> {
         match formula {
             Formula::Margin(margin) => {
                 if !counting.in_gate {
-                    self.margin(margin, counting.window);
+                    self.margin(margin, counting);
                 }
                 self.part += 1;
             }
             Formula::Condition(_) => self.part += 1,
             Formula::And(parts) | Formula::Or(parts) => parts.iter().for_each(|part| self.formula(part, counting)),
-            Formula::Always(window, body) | Formula::Eventually(window, body) => {
-                self.formula(body, counting.within(*window));
+            Formula::Always(window, body) => self.formula(body, counting.within(*window)),
+            Formula::Eventually(window, body) => {
+                self.formula(body, Counting { once: true, ..counting.within(*window) });
             }
             Formula::Gated(gated) => {
                 self.formula(&gated.gate, counting.gate());
@@ -101,17 +104,17 @@ impl Writer<'_> {
         }
     }
 
-    fn margin(&mut self, margin: &Margin, window: TickWindow) {
+    fn margin(&mut self, margin: &Margin, counting: Counting) {
         let mut sides = Vec::new();
         split(&margin.value, false, &mut sides);
         for (compared, limits) in sides {
-            if let Some(comparison) = self.comparison(&compared, limits, window) {
+            if let Some(comparison) = self.comparison(&compared, limits, counting) {
                 self.comparisons.push(comparison);
             }
         }
     }
 
-    fn comparison(&self, compared: &RealExpression, limits: Limits, window: TickWindow) -> Option<Comparison> {
+    fn comparison(&self, compared: &RealExpression, limits: Limits, counting: Counting) -> Option<Comparison> {
         let (quantity, unit, limits) = match self.own_scale(compared) {
             // Limits in the unit of the column: si = factor * own + offset
             Some((name, factor, offset)) => {
@@ -143,8 +146,9 @@ impl Writer<'_> {
             unit,
             low: limits.low,
             high: limits.high,
-            from_s: at(window.from),
-            to_s: window.to.filter(|&to| to < self.scenario.stop_tick).map(at),
+            once: counting.once,
+            from_s: at(counting.window.from),
+            to_s: counting.window.to.filter(|&to| to < self.scenario.stop_tick).map(at),
         })
     }
 

@@ -19,8 +19,9 @@ pub(super) struct Limit {
     pub curve: usize,
     /// The sample that fails first.
     pub first_s: Option<f64>,
-    /// The sample with the least margin.
+    /// The sample with the least margin; the best one where one is enough.
     pub worst_s: Option<f64>,
+    pub once: bool,
 }
 
 /// The column that alone is compared.
@@ -59,6 +60,7 @@ pub(super) fn limit(run: &Run, claim: usize, index: usize, factor: f64) -> Optio
         from_s: comparison.from_s,
         to_s: comparison.to_s,
         curve: 0,
+        once: comparison.once,
         first_s,
         worst_s: claim.at_s.filter(|_| is_worst),
     })

@@ -76,6 +76,7 @@ fn head(picture: &mut Picture, runs: &[Run], choice: &Choice, ends_s: (f64, f64)
     if !first.title.is_empty() {
         facts.add(Sample::None, names);
     }
+    first.set.iter().for_each(|set| facts.add(Sample::None, set.as_str()));
     facts.add(Sample::None, format!("{} s to {} s", rounded(ends_s.0), rounded(ends_s.1)));
     facts.add(Sample::None, format!("{shown} of {}", crate::counted(all, "signal")));
     if !first.claims.is_empty() {

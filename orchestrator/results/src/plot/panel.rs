@@ -5,7 +5,7 @@ use super::choice::Panel;
 use super::claimed::{Limit, value_at};
 use super::font::{fitted, width};
 use super::labels::{self, Labels, Legend, Sample};
-use super::scale::{Axis, Scale, ends, extent, rounded};
+use super::scale::{Axis, Scale, ends, extent, label, rounded};
 use super::svg::{Anchor, CURVES, FAINT_INK, GRID, INK, Picture, Stroke};
 use super::trace::{Kind, Samples};
 
@@ -68,21 +68,27 @@ impl<'a> Laid<'a> {
         for (index, curve) in panel.curves.iter().enumerate() {
             legend.add(Sample::Line(Stroke::of_curve(index, 1.8)), curve.name.as_str());
         }
+        let mut named: Vec<&str> = Vec::new();
         for limit in &panel.limits {
             let is_drawn = self.limits.contains(&limit);
             let outside = if is_drawn { "" } else { " (outside)" };
             let sample = if is_drawn { Sample::Line(Stroke::limit()) } else { Sample::None };
-            legend.add(sample, format!("{}{outside}", limit.text));
+            // A claim may limit several curves of a panel alike.
+            if !named.contains(&limit.text.as_str()) {
+                named.push(&limit.text);
+                legend.add(sample, format!("{}{outside}", limit.text));
+            }
             let in_time = |at: &f64| (ends_s.0..=ends_s.1).contains(at);
             let value = |at: f64| {
                 let samples = panel.curves.get(limit.curve).and_then(|curve| curve.of_runs.first());
                 samples.and_then(|samples| value_at(samples, at)).map_or_else(String::new, rounded)
             };
             if let Some(at) = limit.first_s.filter(in_time) {
-                legend.add(Sample::First, format!("fails first at {} s", rounded(at)));
+                legend.add(Sample::First, format!("fails first at {} s", label(at)));
             }
             if let Some(at) = limit.worst_s.filter(in_time) {
-                legend.add(Sample::Worst, format!("worst {} at {} s", value(at), rounded(at)));
+                let word = if limit.once { "best" } else { "worst" };
+                legend.add(Sample::Worst, format!("{word} {} at {} s", value(at), label(at)));
             }
         }
     }

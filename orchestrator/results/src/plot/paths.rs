@@ -181,7 +181,7 @@ fn numbers(picture: &mut Picture, view: &View, labels: &mut Labels) {
     let (x_at, y_at) = if view.above {
         (((0.0, 16.0), Anchor::Middle), ((-8.0, 4.0), Anchor::End))
     } else {
-        (((-4.0, 16.0), Anchor::Middle), ((8.0, 12.0), Anchor::Start))
+        (((-4.0, 15.0), Anchor::End), ((8.0, 15.0), Anchor::Start))
     };
     let y_edge = if view.above { x0 } else { x1 };
     x_axis.numbers(0, x_at, |x| [x, y0, z0]);

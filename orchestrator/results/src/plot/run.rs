@@ -1,6 +1,7 @@
 //! What a picture shows of a run: its table, and what its folder says of claims and windows.
 
 use crate::comparison::Comparison;
+use crate::run_record::Parameter;
 use crate::run_folder::{EVENTS_CSV, PARTIAL, VERDICT_JSON};
 use crate::table::{Table, TableError};
 use fmi2::printable;
@@ -15,6 +16,8 @@ pub struct Run {
     pub name: String,
     /// The title of its scenario; empty where it is a table alone.
     pub title: String,
+    /// The parameters that the command line set, as it says them.
+    pub set: Vec<String>,
     /// Why it ended; empty where that is not known.
     pub end: String,
     /// What was recorded.
@@ -49,6 +52,7 @@ pub(super) struct Window {
 struct Verdict {
     scenario: String,
     end: String,
+    parameters: Vec<Parameter>,
     claims: Vec<Claim>,
     events: Vec<Change>,
 }
@@ -80,6 +84,7 @@ impl Run {
         Ok(Self {
             name,
             title: printable::line(&verdict.scenario),
+            set: verdict.parameters.iter().filter(|it| it.set).map(|it| format!("{} = {}", it.name, it.value)).collect(),
             end: printable::line(&verdict.end),
             table,
             claims: verdict.claims,
