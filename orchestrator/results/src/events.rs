@@ -72,7 +72,9 @@ impl EventsFile {
 
 impl Sink for EventsFile {
     fn event(&mut self, event: Event<'_>) -> Result<(), TraceError> {
-        let Event::Window(WindowChange { tick, time_s, change, statement, condition, .. }) = event else { return Ok(()) };
+        let Event::Window(WindowChange { tick, time_s, change, statement, condition, .. }) = event else {
+            return Ok(());
+        };
         let (time, change) = (shortest_decimal(*time_s), change.text());
         self.line(&format!("{tick},{time},{change},{},{}", quoted(statement), quoted(condition)))
     }

@@ -137,7 +137,8 @@ impl Writer<'_> {
             }
         };
         let at = |tick: u64| seconds(tick, self.scenario.step_ns);
-        let is_known = !quantity.columns().is_empty() && [limits.low, limits.high].iter().flatten().all(|x| x.is_finite());
+        let is_known =
+            !quantity.columns().is_empty() && [limits.low, limits.high].iter().flatten().all(|x| x.is_finite());
         is_known.then(|| Comparison {
             text: self.claim.parts.get(self.part).map(|part| part.text.clone()).unwrap_or_default(),
             part: self.part,
@@ -204,7 +205,8 @@ impl Writer<'_> {
                 Some(scaled(of, *factor, *offset))
             }
             E::InverseAffine { of, factor, offset } => {
-                let shifted = Quantity::call(Operation::Subtract, vec![self.quantity(of, left)?, Quantity::Constant(*offset)]);
+                let shifted =
+                    Quantity::call(Operation::Subtract, vec![self.quantity(of, left)?, Quantity::Constant(*offset)]);
                 Some(Quantity::call(Operation::Divide, vec![shifted, Quantity::Constant(*factor)]))
             }
             E::Negate(of) => pair(Operation::Subtract, &E::Constant(0.0), of),

@@ -140,7 +140,8 @@ fn spans(run: &Run, name: &str, end_s: f64) -> Result<Vec<Span>, PlotError> {
     if spans.len() > MOST_SPANS {
         return Err(unfit(&format!("it changes {} times; --from and --to show a part", spans.len())));
     }
-    let mut values: Vec<_> = spans.iter().map(|(_, _, value)| *value).chain(column.items.keys().map(|item| f64::from(*item))).collect();
+    let mut values: Vec<_> =
+        spans.iter().map(|(_, _, value)| *value).chain(column.items.keys().map(|item| f64::from(*item))).collect();
     values.sort_by(f64::total_cmp);
     values.dedup();
     let text = |value: f64| match kind {

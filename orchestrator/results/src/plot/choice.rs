@@ -59,9 +59,8 @@ impl Choice {
         for spec in &specs {
             match spec {
                 Spec::Columns(names) => columns.extend(names.iter().map(|name| (*name).to_owned())),
-                Spec::Claimed(claim, index) => columns.extend(
-                    first.claims[*claim].comparisons[*index].quantity.columns().into_iter().map(str::to_owned),
-                ),
+                Spec::Claimed(claim, index) => columns
+                    .extend(first.claims[*claim].comparisons[*index].quantity.columns().into_iter().map(str::to_owned)),
             }
         }
         for name in selection.modes.iter().chain(&selection.mark) {
@@ -118,7 +117,8 @@ impl<'a> Chooser<'a> {
         let comparisons = first.claims[claim].comparisons.iter().enumerate();
         let mut specs: Vec<Spec<'a>> = Vec::new();
         let mut add = |names: Vec<&'a str>| {
-            let has = |spec: &Spec<'_>| matches!(spec, Spec::Columns(known) if known.iter().any(|name| names.contains(name)));
+            let has =
+                |spec: &Spec<'_>| matches!(spec, Spec::Columns(known) if known.iter().any(|name| names.contains(name)));
             if !names.is_empty() && !specs.iter().any(has) {
                 specs.push(Spec::Columns(names));
             }
@@ -144,9 +144,13 @@ impl<'a> Chooser<'a> {
         derived
     }
 
-    /// A column with those that share its panel.
+    /// A column with those that share its panel. One coordinate of a position stands alone: what limits a height is small
+    /// beside how far a vehicle goes.
     fn beside(&self, name: &'a str) -> Vec<&'a str> {
         let first: &'a Run = self.first;
+        if first.path(group_of(name)).is_some() {
+            return vec![name];
+        }
         let same = |other: &&str| {
             *other == name || group_of(other) == group_of(name) && group_of(name) != name && self.together(other, name)
         };
@@ -166,7 +170,9 @@ impl<'a> Chooser<'a> {
         };
         let mut specs: Vec<Spec<'a>> = Vec::new();
         let is_shown = |specs: &[Spec<'_>], names: &[&str]| {
-            specs.iter().any(|spec| matches!(spec, Spec::Columns(known) if names.iter().all(|name| known.contains(name))))
+            specs
+                .iter()
+                .any(|spec| matches!(spec, Spec::Columns(known) if names.iter().all(|name| known.contains(name))))
         };
         for claim in 0..first.claims.len() {
             for spec in self.of_claim(claim) {

@@ -86,7 +86,11 @@ fn ports(run: &Run, group: &str) -> Result<Surface, PlotError> {
     for three in corners.chunks_exact(3).filter(|three| three.iter().all(|corner| *corner >= 1.0)) {
         let corner = |value: f64| {
             let index = value as usize;
-            if index <= points.len() { Ok(index - 1) } else { Err(unfit(format!("a triangle has the corner {value}, there are {} points", points.len()))) }
+            if index <= points.len() {
+                Ok(index - 1)
+            } else {
+                Err(unfit(format!("a triangle has the corner {value}, there are {} points", points.len())))
+            }
         };
         triangles.push([corner(three[0])?, corner(three[1])?, corner(three[2])?]);
     }
@@ -101,7 +105,8 @@ fn obj(text: &str) -> Result<Surface, String> {
         let wrong = |what: &str| format!("line {} has no {what}: {}", index + 1, printable::line(line));
         match words.next() {
             Some("v") => {
-                let numbers: Vec<f64> = words.filter_map(|word| word.parse().ok()).filter(|number: &f64| number.is_finite()).collect();
+                let numbers: Vec<f64> =
+                    words.filter_map(|word| word.parse().ok()).filter(|number: &f64| number.is_finite()).collect();
                 let [x, y, z, ..] = numbers[..] else { return Err(wrong("three coordinates")) };
                 surface.points.push([x, y, z]);
             }
@@ -113,7 +118,9 @@ fn obj(text: &str) -> Result<Surface, String> {
                     usize::try_from(index).ok().filter(|index| *index < surface.points.len())
                 };
                 let corners: Option<Vec<_>> = words.map(corner).collect();
-                let corners = corners.filter(|corners| corners.len() >= 3).ok_or_else(|| wrong("three corners that are there"))?;
+                let corners = corners
+                    .filter(|corners| corners.len() >= 3)
+                    .ok_or_else(|| wrong("three corners that are there"))?;
                 surface.triangles.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
             }
             _ => {}

@@ -129,7 +129,9 @@ impl fmt::Display for PlotError {
             Self::NoRows { run, has_s: (first, last) } => {
                 write!(f, "no row of {run} lies between --from and --to; it has rows from {first} s to {last} s")
             }
-            Self::Size => write!(f, "a picture is at least {LEAST_WIDTH} pixels wide and has at most 200 million pixels"),
+            Self::Size => {
+                write!(f, "a picture is at least {LEAST_WIDTH} pixels wide and has at most 200 million pixels")
+            }
         }
     }
 }

@@ -10,11 +10,13 @@ use super::raster::Cells;
 use super::run::Run;
 use super::scale::label_in_steps;
 use super::svg::{Anchor, FAINT_INK, GRID, INK, Picture, Stroke};
-use super::view::{Point, View};
+use super::view::{self, Point, View};
 use super::{PlotError, Selection};
 
 /// The most height of the view in pixels.
 const HEIGHT: f64 = 400.0;
+/// And where nothing moves.
+const RESTING: f64 = 200.0;
 const SIDE: f64 = 76.0;
 const BELOW: f64 = 44.0;
 const ABOVE: f64 = 30.0;
@@ -87,7 +89,8 @@ impl Space {
 
     /// All points that the view must have room for.
     fn room(&self) -> Vec<Point> {
-        let mut points: Vec<Point> = self.paths.iter().flat_map(|path| path.points_m.iter().map(|(_, at)| *at)).collect();
+        let mut points: Vec<Point> =
+            self.paths.iter().flat_map(|path| path.points_m.iter().map(|(_, at)| *at)).collect();
         points.extend(self.circles.iter().chain(&self.points).flat_map(overlay::room));
         points.extend(self.surfaces.iter().flat_map(|surface| surface.points.iter().copied()));
         let ground = points.iter().map(|point| point[2]).fold(f64::INFINITY, f64::min);
@@ -101,8 +104,9 @@ impl Space {
         let wide = width - 2.0 * 16.0;
         self.legend.draw(picture, (16.0, top), wide);
         let upper = top + self.legend.height(wide) + ABOVE;
-        let height = HEIGHT.min(0.6 * width);
-        let view = View::fit(&self.room(), selection.view, [SIDE, upper, width - 2.0 * SIDE, height]);
+        let room = self.room();
+        let height = if view::rests(&room) { RESTING } else { HEIGHT.min(0.6 * width) };
+        let view = View::fit(&room, selection.view, [SIDE, upper, width - 2.0 * SIDE, height]);
         let mut labels = Labels::default();
         if self.surfaces.is_empty() || view.above {
             floor(picture, &view);

@@ -37,8 +37,12 @@ pub(super) fn places(run: &Run, group: &str) -> Result<Vec<Place>, PlotError> {
     }
     let members: Vec<_> = columns.iter().map(|column| member(column, group)).collect();
     let in_metres = |member: &&Member<'_>| run.unit(member.column) == "m";
-    let stems: Vec<_> =
-        members.iter().filter(in_metres).filter(|member| member.leaf == "x").map(|member| member.stem.as_str()).collect();
+    let stems: Vec<_> = members
+        .iter()
+        .filter(in_metres)
+        .filter(|member| member.leaf == "x")
+        .map(|member| member.stem.as_str())
+        .collect();
     let rank = |stem: &&&str| POSITIONS.iter().position(|name| name == *stem).unwrap_or(POSITIONS.len());
     let Some(stem) = stems.iter().min_by_key(rank).copied() else {
         let reason = format!("it has no x and y in metres; it has {}", few(&columns));

@@ -2,9 +2,7 @@
 
 use super::font::{self, OutlineBuilder};
 use super::svg::{Anchor, Element, Picture, Stroke, text_bounds};
-use tiny_skia::{
-    Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, StrokeDash, Transform,
-};
+use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, StrokeDash, Transform};
 
 /// More pixels would need more memory than a picture is worth.
 const MOST_PIXELS: f64 = 2e8;

@@ -44,7 +44,9 @@ impl Cells {
         };
         let cell_m = raster.cell_m.or_else(|| beside("cell", "m"));
         let Some(cell_m) = cell_m.filter(|cell| *cell > 0.0 && cell.is_finite()) else {
-            return Err(unfit("no port `cell` in metres is beside it, so say --raster-cell, for example 0.5".to_owned()));
+            return Err(unfit(
+                "no port `cell` in metres is beside it, so say --raster-cell, for example 0.5".to_owned(),
+            ));
         };
         if values.len() > MOST_CELLS {
             return Err(unfit(format!("it has {} cells, more than {MOST_CELLS}", values.len())));
@@ -67,7 +69,8 @@ impl Cells {
         for (row, values) in self.values[..whole].chunks(self.columns).enumerate() {
             let mut column = 0;
             for same in values.chunk_by(|a, b| a == b) {
-                let [left, right, near, far] = [column, column + same.len(), row, row + 1].map(|at| at as f64 * self.cell_m);
+                let [left, right, near, far] =
+                    [column, column + same.len(), row, row + 1].map(|at| at as f64 * self.cell_m);
                 column += same.len();
                 if same[0] > 0.0 {
                     let corner = |x: f64, y: f64| view.ground([self.origin[0] + x, self.origin[1] + y, 0.0]);

@@ -1,8 +1,8 @@
 //! What a picture shows of a run: its table, and what its folder says of claims and windows.
 
 use crate::comparison::Comparison;
-use crate::run_record::Parameter;
 use crate::run_folder::{EVENTS_CSV, PARTIAL, VERDICT_JSON};
+use crate::run_record::Parameter;
 use crate::table::{Table, TableError};
 use fmi2::printable;
 use serde::Deserialize;
@@ -84,7 +84,12 @@ impl Run {
         Ok(Self {
             name,
             title: printable::line(&verdict.scenario),
-            set: verdict.parameters.iter().filter(|it| it.set).map(|it| format!("{} = {}", it.name, it.value)).collect(),
+            set: verdict
+                .parameters
+                .iter()
+                .filter(|it| it.set)
+                .map(|it| format!("{} = {}", it.name, it.value))
+                .collect(),
             end: printable::line(&verdict.end),
             table,
             claims: verdict.claims,
@@ -95,7 +100,9 @@ impl Run {
     /// Whether a column, a group or a claim has this name, or each of several with commas between them.
     #[must_use]
     pub fn has(&self, names: &str) -> bool {
-        names.split(',').all(|name| !self.members(name).is_empty() || self.claims.iter().any(|claim| claim.name == name))
+        names
+            .split(',')
+            .all(|name| !self.members(name).is_empty() || self.claims.iter().any(|claim| claim.name == name))
     }
 
     /// All names that can be drawn: columns, then claims.
@@ -126,8 +133,8 @@ fn changes(folder: &Path) -> Vec<Change> {
     let row = |line: &str| {
         let mut cells = line.splitn(5, ',').skip(1);
         let time_s = cells.next()?.parse().ok()?;
-        let [change, statement, condition] = [cells.next()?, cells.next()?, cells.next()?]
-            .map(|cell| cell.trim_matches('"').replace("\"\"", "\""));
+        let [change, statement, condition] =
+            [cells.next()?, cells.next()?, cells.next()?].map(|cell| cell.trim_matches('"').replace("\"\"", "\""));
         Some(Change { time_s, change, statement, condition, ..Change::default() })
     };
     text.lines().skip(1).filter_map(row).collect()
@@ -137,9 +144,8 @@ fn changes(folder: &Path) -> Vec<Change> {
 fn windows(changes: &[Change]) -> Vec<Window> {
     let mut windows = Vec::new();
     for (index, opened) in changes.iter().enumerate().filter(|(_, change)| change.change == "opened") {
-        let is_same = |change: &&Change| {
-            (&change.statement, &change.condition) == (&opened.statement, &opened.condition)
-        };
+        let is_same =
+            |change: &&Change| (&change.statement, &change.condition) == (&opened.statement, &opened.condition);
         let next = changes[index + 1..].iter().find(is_same);
         let to_s = next.map(|change| change.time_s);
         let head = format!("{} {}", opened.trigger, opened.condition);

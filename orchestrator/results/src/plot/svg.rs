@@ -155,15 +155,11 @@ impl Picture {
     /// The place of each text: left, top, right, bottom.
     #[cfg(test)]
     pub(crate) fn texts(&self) -> Vec<([f64; 4], &str)> {
-        let place = |element: &'_ Element| match element {
-            Element::Text(at, anchor, size, _, text) => Some(text_bounds(*at, *anchor, *size, text)),
+        let placed = |element| match element {
+            &Element::Text(at, anchor, size, _, ref text) => Some((text_bounds(at, anchor, size, text), text.as_str())),
             _ => None,
         };
-        let text = |element| match element {
-            Element::Text(.., text) => text.as_str(),
-            _ => "",
-        };
-        self.elements.iter().filter_map(|element| Some((place(element)?, text(element)))).collect()
+        self.elements.iter().filter_map(placed).collect()
     }
 }
 

@@ -13,6 +13,14 @@ const FLAT: f64 = 0.04;
 /// A point of the world in metres.
 pub(super) type Point = [f64; 3];
 
+/// Whether all points lie within the least extent.
+pub(super) fn rests(points: &[Point]) -> bool {
+    (0..3).all(|axis| {
+        let ends = ends(points.iter().map(|point| point[axis]));
+        ends.is_none_or(|(low, high)| high - low <= LEAST_M)
+    })
+}
+
 /// A parallel view: directions of the world's axes on the page, for a scale of one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View {
