@@ -49,7 +49,10 @@ enum Spec<'a> {
 impl Choice {
     pub(super) fn new(runs: &[Run], selection: &Selection) -> Result<Self, PlotError> {
         let Some(first) = runs.first() else { return Err(PlotError::Empty) };
-        let chooser = Chooser { runs, first };
+        let overlays = selection.circles.iter().chain(&selection.points);
+        let overlays = overlays.chain(selection.rasters.iter().map(|raster| &raster.group));
+        let overlays = overlays.flat_map(|group| first.members(group)).collect();
+        let chooser = Chooser { runs, first, overlays };
         let (paths, specs) =
             if selection.signals.is_empty() { chooser.by_default() } else { chooser.chosen(&selection.signals)? };
         let mut columns: BTreeSet<String> = BTreeSet::new();
@@ -69,9 +72,7 @@ impl Choice {
             }
             columns.insert(name.clone());
         }
-        for group in selection.circles.iter().chain(&selection.points) {
-            columns.extend(first.members(group).into_iter().map(str::to_owned));
-        }
+        columns.extend(chooser.overlays.iter().map(|name| (*name).to_owned()));
         let recorded: BTreeSet<_> = first.table.names().skip(1).collect();
         let shown = columns.iter().filter(|name| recorded.contains(name.as_str())).count();
         let panels = specs.into_iter().map(|spec| chooser.panel(spec)).collect();
@@ -82,6 +83,8 @@ impl Choice {
 struct Chooser<'a> {
     runs: &'a [Run],
     first: &'a Run,
+    /// The columns that stand among the paths.
+    overlays: BTreeSet<&'a str>,
 }
 
 impl<'a> Chooser<'a> {
@@ -128,7 +131,7 @@ impl<'a> Chooser<'a> {
         for (index, comparison) in comparisons {
             covered.extend(comparison.quantity.columns());
             match claimed::column_of(comparison).and_then(|name| first.table.column(name)) {
-                Some(column) => add(self.beside(&column.name)),
+                Some(column) => add(self.around(&column.name)),
                 None if comparison.quantity.columns().iter().all(|name| first.table.column(name).is_some()) => {
                     derived.push(Spec::Claimed(claim, index));
                 }
@@ -137,25 +140,27 @@ impl<'a> Chooser<'a> {
         }
         for name in &first.claims[claim].signals {
             if let Some(column) = first.table.column(name).filter(|_| !covered.contains(&name.as_str())) {
-                add(self.beside(&column.name));
+                add(self.around(&column.name));
             }
         }
         derived.extend(specs);
         derived
     }
 
-    /// A column with those that share its panel. One coordinate of a position stands alone: what limits a height is small
-    /// beside how far a vehicle goes.
+    /// A column with those that share its panel.
     fn beside(&self, name: &'a str) -> Vec<&'a str> {
         let first: &'a Run = self.first;
-        if first.path(group_of(name)).is_some() {
-            return vec![name];
-        }
         let same = |other: &&str| {
             *other == name || group_of(other) == group_of(name) && group_of(name) != name && self.together(other, name)
         };
         let names: Vec<_> = first.table.names().skip(1).filter(same).collect();
         if names.len() > 6 { vec![name] } else { names }
+    }
+
+    /// The panel of a column that a claim limits. One coordinate of a position stands alone: what limits a height is small
+    /// beside how far a vehicle goes.
+    fn around(&self, name: &'a str) -> Vec<&'a str> {
+        if self.first.path(group_of(name)).is_some() { vec![name] } else { self.beside(name) }
     }
 
     /// All position groups; what the claims are about; then the first groups of columns that are no positions.
@@ -183,7 +188,10 @@ impl<'a> Chooser<'a> {
                 }
             }
         }
-        for name in first.table.names().skip(1).filter(|name| !in_path(name)) {
+        // What changes comes before what stays as it is.
+        let others = || first.table.names().skip(1).filter(|name| !in_path(name) && !self.overlays.contains(name));
+        let (changing, constant): (Vec<_>, Vec<_>) = others().partition(|name| first.changes(name));
+        for name in changing.into_iter().chain(constant) {
             let names: Vec<_> = self.beside(name).into_iter().filter(|name| !in_path(name)).collect();
             if specs.len() < DEFAULT_PANELS && !is_shown(&specs, &[name]) {
                 specs.push(Spec::Columns(names));

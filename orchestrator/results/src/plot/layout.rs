@@ -84,7 +84,8 @@ fn head(picture: &mut Picture, runs: &[Run], choice: &Choice, ends_s: (f64, f64)
             first.claims.iter().filter(|claim| claim.verdict == "failed").map(|claim| claim.name.as_str()).collect();
         let held = first.claims.iter().filter(|claim| ["ok", "untested"].contains(&claim.verdict.as_str())).count();
         let failed = if failed.is_empty() { String::new() } else { format!(", failed: {}", failed.join(", ")) };
-        facts.add(Sample::None, format!("{held} of {} hold{failed}", crate::counted(first.claims.len(), "claim")));
+        let verb = if first.claims.len() == 1 { "holds" } else { "hold" };
+        facts.add(Sample::None, format!("{held} of {} {verb}{failed}", crate::counted(first.claims.len(), "claim")));
     }
     if !first.end.is_empty() && first.end != "stop time" {
         facts.add(Sample::None, format!("end: {}", first.end));

@@ -12,9 +12,13 @@ const MOST_TRIANGLES: usize = 20_000;
 /// From the side in the shadow to that in the light.
 const SHADES: [&str; 6] = ["#b9b2a3", "#c5beb0", "#d0cabd", "#dad5ca", "#e4e0d7", "#edeae4"];
 
+/// The colour that stands for a surface in a legend.
+pub(super) const MIDDLE_SHADE: &str = SHADES[1];
+
 /// Corners, and three of them for each triangle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Surface {
+    pub name: String,
     pub points: Vec<Point>,
     triangles: Vec<[usize; 3]>,
 }
@@ -31,7 +35,7 @@ impl Surface {
         };
         let reason = match surface.triangles.len() {
             0 => "it has no triangles".to_owned(),
-            1..=MOST_TRIANGLES => return Ok(surface),
+            1..=MOST_TRIANGLES => return Ok(Self { name, ..surface }),
             more => format!("it has {more} triangles, more than {MOST_TRIANGLES}; make it coarser"),
         };
         Err(PlotError::Unfit { name, reason })
@@ -94,7 +98,7 @@ fn ports(run: &Run, group: &str) -> Result<Surface, PlotError> {
         };
         triangles.push([corner(three[0])?, corner(three[1])?, corner(three[2])?]);
     }
-    Ok(Surface { points, triangles })
+    Ok(Surface { points, triangles, ..Surface::default() })
 }
 
 /// Corners and faces of an OBJ file; faces with more corners become several triangles, everything else is left out.

@@ -3,7 +3,7 @@
 use super::choice::Choice;
 use super::font::width as text_width;
 use super::labels::{Labels, Legend, Sample};
-use super::mesh::Surface;
+use super::mesh::{MIDDLE_SHADE, Surface};
 use super::overlay::{self, CIRCLE};
 use super::places::{Place, circles, places};
 use super::raster::Cells;
@@ -73,7 +73,9 @@ impl Space {
             space.legend.add(Sample::Field(INK, 0.45), raster.group.as_str());
         }
         for mesh in &selection.meshes {
-            space.surfaces.push(Surface::read(first, mesh)?);
+            let surface = Surface::read(first, mesh)?;
+            space.legend.add(Sample::Field(MIDDLE_SHADE, 1.0), surface.name.as_str());
+            space.surfaces.push(surface);
         }
         if let Some(name) = &selection.mark {
             space.marks = marks(first, name)?;

@@ -55,6 +55,14 @@ impl Run {
         self.table.column(name)?.values.iter().flatten().copied().find(|value| value.is_finite())
     }
 
+    /// Whether a column has two values that differ.
+    pub(super) fn changes(&self, name: &str) -> bool {
+        let Some(column) = self.table.column(name) else { return false };
+        let mut values = column.values.iter().flatten();
+        let first = values.next();
+        values.any(|value| Some(value) != first)
+    }
+
     /// The points of a group of x, y and z in metres, also of x and y alone; rows without a sample are left out.
     pub(super) fn path(&self, group: &str) -> Option<Vec<(f64, [f64; 3])>> {
         let axis = |axis: &str| {

@@ -59,7 +59,7 @@ impl View {
             [((low - room) / step + 1e-9).floor() * step, ((high + room) / step - 1e-9).ceil() * step]
         };
         let ([x0, x1], [y0, y1]) = (wide(x), wide(y));
-        let z1 = z.1.max(z.0 + 0.1 * across);
+        let z1 = z.1.max(z.0 + if rests(points) { LEAST_M / 2.0 } else { 0.1 * across });
         let step_up = ticks(z.0, z1, (6.0 * (z1 - z.0) / across).clamp(2.0, 6.0)).1;
         let (low, high) = ([x0, y0, z.0], [x1, y1, z1]);
         let mut view = Self { low, high, step: (step, step_up), above, scale: 1.0, origin: (0.0, 0.0) };

@@ -26,7 +26,7 @@ fn a_limit_is_a_line_with_the_first_failure_and_the_worst_sample() {
     let lines = limits(&drawing);
     assert_eq!(lines.len(), 1, "{lines:?}");
     assert!(lines[0].1 - lines[0].0 > 800.0, "it holds over the whole run");
-    for text in ["lasts: above 0.2", "fails first at 16.7 s", "worst 0.04 at 20 s", "0 of 1 claim hold, failed: lasts"]
+    for text in ["lasts: above 0.2", "fails first at 16.7 s", "worst 0.04 at 20 s", "0 of 1 claim holds, failed: lasts"]
     {
         assert!(has(&drawing, text), "{text} is not in {:?}", texts(&drawing));
     }
@@ -102,7 +102,7 @@ fn what_claims_are_about_comes_first_of_many_signals() {
     let runs = [claimed];
     let choice = Choice::new(&runs, &Selection::default()).unwrap();
     let names: Vec<_> = choice.panels.iter().map(|panel| panel.curves[0].name.as_str()).collect();
-    assert_eq!(names, ["unit150.output", "unit0.output", "unit1.output", "unit2.output"]);
+    assert_eq!(names, ["unit150.output", "unit1.output", "unit2.output", "unit3.output"]);
     let drawing = picture("many", &runs, &Selection::default());
     assert!(has(&drawing, "4 of 200 signals"), "{:?}", texts(&drawing));
 }
