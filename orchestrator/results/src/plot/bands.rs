@@ -108,6 +108,7 @@ impl Bands {
             for span in spans {
                 let [left, right] = [span.from_s, span.to_s].map(|at| frame.time.pixel(at));
                 picture.rectangle([left, upper, right, bottom], span.colour, 0.12);
+                picture.line((left, upper), (left, bottom), Stroke::new(INK, 0.8).faint(0.25));
             }
         }
         for window in self.rows.iter().flatten() {

@@ -99,8 +99,9 @@ fn head(picture: &mut Picture, runs: &[Run], choice: &Choice, ends_s: (f64, f64)
     {
         let mut which = Legend::default();
         which.add(Sample::Line(Stroke::new(INK, 1.6)), format!("thin: {}", first.name));
-        for other in others {
-            which.add(Sample::Line(Stroke::new(INK, 1.6).of_other()), format!("broad: {}", other.name));
+        for (index, other) in others.iter().enumerate() {
+            let word = if index == 0 { "broad" } else { "broader" };
+            which.add(Sample::Line(Stroke::new(INK, 1.6).of_other(index + 1)), format!("{word}: {}", other.name));
         }
         which.draw(picture, (MARGIN, top), room);
         top += which.height(room);

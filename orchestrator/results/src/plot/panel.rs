@@ -192,7 +192,7 @@ impl<'a> Laid<'a> {
         for run in (0..runs).rev() {
             for (index, curve) in self.panel.curves.iter().enumerate() {
                 let stroke = Stroke::of_curve(index, 1.5);
-                let stroke = if run == 0 { stroke } else { stroke.of_other() };
+                let stroke = if run == 0 { stroke } else { stroke.of_other(run) };
                 let Some(samples) = curve.of_runs.get(run) else { continue };
                 let shown = match self.panel.kind {
                     Kind::Real => thinned(samples, &frame.time),

@@ -53,10 +53,10 @@ impl Space {
         let Some(first) = runs.first() else { return Err(PlotError::Empty) };
         for (index, name) in choice.paths.iter().enumerate() {
             let main = Stroke::of_curve(index, if index == 0 { 2.2 } else { 1.6 });
-            for (run, other) in runs.iter().zip([false].into_iter().chain(std::iter::repeat(true))) {
-                let stroke = if other { main.of_other() } else { main };
+            for (number, run) in runs.iter().enumerate() {
+                let stroke = if number == 0 { main } else { main.of_other(number) };
                 let points_m = run.path(name).unwrap_or_default();
-                space.paths.push(Path { points_m, stroke, is_other: other });
+                space.paths.push(Path { points_m, stroke, is_other: number > 0 });
             }
             space.legend.add(Sample::Line(main), name.as_str());
         }

@@ -32,9 +32,10 @@ impl Stroke {
         Self { dash: DASHES[index % DASHES.len()], ..Self::new(CURVES[index % CURVES.len()], width) }
     }
 
-    /// The same curve of the other run: broad and pale.
-    pub(crate) fn of_other(self) -> Self {
-        Self { width: 3.0 * self.width, opacity: 0.35, dash: None, ..self }
+    /// The same curve of another run, counted from 1: the broader and the paler, the later the run.
+    pub(crate) fn of_other(self, run: usize) -> Self {
+        let run = run as f64;
+        Self { width: (1.0 + 2.0 * run) * self.width, opacity: 0.35 / run, dash: None, ..self }
     }
 
     pub(crate) fn faint(self, opacity: f64) -> Self {
@@ -241,6 +242,6 @@ mod tests {
     fn the_curves_of_a_panel_differ_without_colours() {
         let strokes: Vec<_> = (0..5).map(|index| Stroke::of_curve(index, 1.5).dash).collect();
         assert!((0..5).all(|one| (0..one).all(|other| strokes[one] != strokes[other])), "{strokes:?}");
-        assert!(Stroke::of_curve(0, 1.5).of_other().width > 3.0);
+        assert!(Stroke::of_curve(0, 1.5).of_other(1).width > 3.0);
     }
 }

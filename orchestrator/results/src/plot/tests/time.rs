@@ -135,7 +135,7 @@ fn a_second_run_is_laid_over_the_first() {
     other.table.columns[1].values.iter_mut().flatten().for_each(|level| *level *= 0.9);
     let drawing = picture("compared", &[battery(), other], &selecting(&["battery.level"]));
     assert!(has(&drawing, "thin: battery") && has(&drawing, "broad: battery, cold"));
-    let strokes = [Stroke::of_curve(0, 1.5), Stroke::of_curve(0, 1.5).of_other()];
+    let strokes = [Stroke::of_curve(0, 1.5), Stroke::of_curve(0, 1.5).of_other(1)];
     for stroke in strokes {
         let is_curve = |element: &Element| matches!(element, Element::Lines(_, shown) if *shown == stroke);
         assert!(drawing.picture.elements.iter().any(is_curve), "{stroke:?}");
