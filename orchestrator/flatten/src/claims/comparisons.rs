@@ -161,6 +161,10 @@ impl Writer<'_> {
                 let (name, inner_factor, inner_offset) = self.own_scale(of)?;
                 Some((name, factor * inner_factor, factor * inner_offset + offset))
             }
+            RealExpression::InverseAffine { of, factor, offset } => {
+                let (name, inner_factor, inner_offset) = self.own_scale(of)?;
+                Some((name, inner_factor / factor, (inner_offset - offset) / factor))
+            }
             RealExpression::Shared(slot) => {
                 self.recorded_let(*slot).or_else(|| self.own_scale(self.scenario.shared.get(*slot)?))
             }

@@ -2,14 +2,17 @@
 
 use super::claimed::{self, Limit};
 use super::run::Run;
-use super::trace::{Kind, Samples, display_unit, group_of};
+use super::trace::{Kind, Samples, display_unit, group_of, without_indices};
 use super::{PlotError, Selection};
+use crate::comparison::Comparison;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Without a choice of signals a picture has at most this many panels of what no claim is about, less those of claims.
 const DEFAULT_PANELS: usize = 4;
 /// And at most this many in all.
 const MOST_PANELS: usize = 8;
+/// A panel that was not asked for has at most this many curves.
+const MOST_CURVES: usize = 6;
 
 /// What a picture shows.
 #[derive(Debug, Default)]
@@ -42,8 +45,8 @@ pub(super) struct Curve {
 /// What a panel is made of.
 enum Spec<'a> {
     Columns(Vec<&'a str>),
-    /// A comparison of the first run's claims: the indices of claim and comparison.
-    Claimed(usize, usize),
+    /// Comparisons of the first run's claims that are about the same: the indices of claim and comparison of each.
+    Claimed(Vec<(usize, usize)>),
 }
 
 impl Choice {
@@ -62,8 +65,8 @@ impl Choice {
         for spec in &specs {
             match spec {
                 Spec::Columns(names) => columns.extend(names.iter().map(|name| (*name).to_owned())),
-                Spec::Claimed(claim, index) => columns
-                    .extend(first.claims[*claim].comparisons[*index].quantity.columns().into_iter().map(str::to_owned)),
+                Spec::Claimed(same) => columns
+                    .extend(same.iter().flat_map(|at| chooser.comparison(*at).quantity.columns()).map(str::to_owned)),
             }
         }
         for name in selection.modes.iter().chain(&selection.mark) {
@@ -133,7 +136,7 @@ impl<'a> Chooser<'a> {
             match claimed::column_of(comparison).and_then(|name| first.table.column(name)) {
                 Some(column) => add(self.around(&column.name)),
                 None if comparison.quantity.columns().iter().all(|name| first.table.column(name).is_some()) => {
-                    derived.push(Spec::Claimed(claim, index));
+                    derived.push(Spec::Claimed(vec![(claim, index)]));
                 }
                 None => {}
             }
@@ -150,11 +153,20 @@ impl<'a> Chooser<'a> {
     /// A column with those that share its panel.
     fn beside(&self, name: &'a str) -> Vec<&'a str> {
         let first: &'a Run = self.first;
-        let same = |other: &&str| {
-            *other == name || group_of(other) == group_of(name) && group_of(name) != name && self.together(other, name)
-        };
+        let in_group = |other: &str| group_of(other) == group_of(name) && group_of(name) != name;
+        let is_alike = |other: &str| without_indices(other) == without_indices(name);
+        let same = |other: &&str| *other == name || (in_group(other) || is_alike(other)) && self.together(other, name);
         let names: Vec<_> = first.table.names().skip(1).filter(same).collect();
-        if names.len() > 6 { vec![name] } else { names }
+        names.chunks(MOST_CURVES).find(|names| names.contains(&name)).map_or(vec![name], <[_]>::to_vec)
+    }
+
+    /// Whether two comparisons compare the same quantity in the same unit.
+    fn is_about_the_same(&self, one: &Spec<'_>, other: &Spec<'_>) -> bool {
+        let key = |spec: &Spec<'_>| match spec {
+            Spec::Claimed(same) => same.first().map(|at| self.comparison(*at)).map(|it| (&it.quantity, &it.unit)),
+            Spec::Columns(_) => None,
+        };
+        key(one).is_some() && key(one) == key(other)
     }
 
     /// The panel of a column that a claim limits. One coordinate of a position stands alone: what limits a height is small
@@ -181,9 +193,15 @@ impl<'a> Chooser<'a> {
         };
         for claim in 0..first.claims.len() {
             for spec in self.of_claim(claim) {
-                match &spec {
-                    Spec::Columns(names) if is_shown(&specs, names) => {}
-                    _ if specs.len() < MOST_PANELS => specs.push(spec),
+                let equal = specs.iter().position(|known| self.is_about_the_same(known, &spec));
+                match (spec, equal) {
+                    (Spec::Columns(names), _) if is_shown(&specs, &names) => {}
+                    (Spec::Claimed(more), Some(equal)) => {
+                        if let Spec::Claimed(same) = &mut specs[equal] {
+                            same.extend(more);
+                        }
+                    }
+                    (spec, _) if specs.len() < MOST_PANELS => specs.push(spec),
                     _ => {}
                 }
             }
@@ -203,7 +221,7 @@ impl<'a> Chooser<'a> {
     fn panel(&self, spec: Spec<'_>) -> Panel {
         match spec {
             Spec::Columns(names) => self.columns(&names),
-            Spec::Claimed(claim, index) => self.claimed(claim, index),
+            Spec::Claimed(same) => self.claimed(&same),
         }
     }
 
@@ -228,15 +246,19 @@ impl<'a> Chooser<'a> {
         }
     }
 
-    fn claimed(&self, claim: usize, index: usize) -> Panel {
-        let comparison = &self.first.claims[claim].comparisons[index];
+    fn comparison(&self, (claim, index): (usize, usize)) -> &'a Comparison {
+        &self.first.claims[claim].comparisons[index]
+    }
+
+    fn claimed(&self, same: &[(usize, usize)]) -> Panel {
+        let comparison = self.comparison(same[0]);
         let of_runs = self.runs.iter().map(|run| claimed::samples(run, &comparison.quantity));
         let curve = Curve { name: claimed::quantity_text(comparison), of_runs: of_runs.collect() };
         Panel {
             kind: Kind::Real,
             unit: comparison.unit.clone().unwrap_or_default(),
             curves: vec![curve],
-            limits: claimed::limit(self.first, claim, index, 1.0).into_iter().collect(),
+            limits: same.iter().filter_map(|(claim, index)| claimed::limit(self.first, *claim, *index, 1.0)).collect(),
             items: BTreeMap::new(),
         }
     }

@@ -101,7 +101,8 @@ fn head(picture: &mut Picture, runs: &[Run], choice: &Choice, ends_s: (f64, f64)
         which.add(Sample::Line(Stroke::new(INK, 1.6)), format!("thin: {}", first.name));
         for (index, other) in others.iter().enumerate() {
             let word = if index == 0 { "broad" } else { "broader" };
-            which.add(Sample::Line(Stroke::new(INK, 1.6).of_other(index + 1)), format!("{word}: {}", other.name));
+            let set = if other.set.is_empty() { String::new() } else { format!(" ({})", other.set.join(", ")) };
+            which.add(Sample::Line(Stroke::new(INK, 1.6).of_other(index + 1)), format!("{word}: {}{set}", other.name));
         }
         which.draw(picture, (MARGIN, top), room);
         top += which.height(room);

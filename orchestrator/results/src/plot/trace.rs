@@ -91,6 +91,17 @@ pub(super) fn group_of(name: &str) -> &str {
     &name[..end]
 }
 
+/// The name without what stands in brackets: the same signal of several vehicles shares a panel.
+pub(super) fn without_indices(name: &str) -> String {
+    let mut inside = false;
+    let keep = |letter: &char| {
+        let kept = !inside && *letter != '[';
+        inside = *letter == '[' || inside && *letter != ']';
+        kept
+    };
+    name.chars().filter(keep).collect()
+}
+
 /// Angles are drawn in degrees.
 pub(super) fn display_unit(unit: &str) -> (&str, f64) {
     let degrees = 180.0 / std::f64::consts::PI;

@@ -1,6 +1,6 @@
 //! Paths in space: order, scale, marks.
 
-use super::super::choice::Choice;
+use super::super::choice::{Choice, Panel};
 use super::super::paths::marks;
 use super::runs::{run, two_vehicles};
 use super::*;
@@ -47,6 +47,15 @@ fn several_vehicles_have_lines_of_their_own_and_their_distance_a_panel() {
         let is_path = |element: &Element| matches!(element, Element::Lines(_, shown) if *shown == stroke);
         assert!(drawing.picture.elements.iter().any(is_path), "{stroke:?}");
     }
+    let rolls = two_vehicles().with("wing[1].roll", "rad", |t| t).with("wing[2].roll", "rad", |t| -t);
+    let apart = rolls.claims[0].comparisons[0].clone();
+    let apart = crate::comparison::Comparison { high: None, low: Some(2.0), ..apart };
+    let rolls = [rolls.claim("apart", "ok", (None, 0.0), &[apart])];
+    let choice = Choice::new(&rolls, &Selection::default()).unwrap();
+    assert_eq!(choice.panels[0].limits.len(), 2, "two claims about one quantity share a panel");
+    let has_both =
+        |panel: &Panel| panel.curves.iter().map(|curve| curve.name.as_str()).eq(["wing[1].roll", "wing[2].roll"]);
+    assert!(choice.panels.iter().any(has_both), "the same signal of both vehicles shares a panel");
     for (name, view, width) in [("above", ViewFrom::Above, 960.0), ("small", ViewFrom::Oblique, 420.0)] {
         let selection = Selection { view, width: Some(width), ..Selection::default() };
         picture(&format!("two-{name}"), &[two_vehicles()], &selection);
