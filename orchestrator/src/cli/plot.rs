@@ -74,6 +74,9 @@ fn view(text: &str) -> Result<ViewFrom, String> {
     }
 }
 
+/// A help that lists names lists at most this many.
+const MOST_NAMES: usize = 60;
+
 /// A message and its help.
 type Refusal = (String, Option<String>);
 
@@ -111,9 +114,9 @@ impl Plot {
             }
         }
         let partial = runs.iter().any(|run| run.table.partial);
-        let names: Vec<String> = runs.first().map(Run::names).unwrap_or_default();
+        let [names, groups] = [Run::names, Run::groups].map(|of| runs.first().map(of).unwrap_or_default());
         let selection = self.selection(signals)?;
-        let refused = |error: PlotError| refusal(&error, &names);
+        let refused = |error: PlotError| refusal(&error, &names, &groups);
         let drawing = draw(runs, &selection).map_err(refused)?;
         for file in &files {
             write(file, &drawing, self.scale).map_err(|error| match error {
@@ -193,12 +196,14 @@ fn write(path: &Path, drawing: &Drawing, scale: f64) -> Result<(), WriteError> {
 }
 
 /// An error with the name that was probably meant, and what there is.
-fn refusal(error: &PlotError, names: &[String]) -> Refusal {
+fn refusal(error: &PlotError, names: &[String], groups: &[String]) -> Refusal {
     match error {
         PlotError::Unknown(name) => {
-            let near = nearest(name, names.iter().map(String::as_str));
+            let near = nearest(name, names.iter().chain(groups).map(String::as_str));
             let message = near.map_or_else(|| error.to_string(), |near| format!("{error}; did you mean `{near}`?"));
-            (message, Some(format!("recorded are: {}", names.join(", "))))
+            let more = names.len().saturating_sub(MOST_NAMES);
+            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+            (message, Some(format!("recorded are: {}{more}", names[..names.len().min(MOST_NAMES)].join(", "))))
         }
         _ => (error.to_string(), None),
     }

@@ -6,6 +6,7 @@ use crate::run_record::Parameter;
 use crate::table::{Table, TableError};
 use fmi2::printable;
 use serde::Deserialize;
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
@@ -110,6 +111,15 @@ impl Run {
     pub fn names(&self) -> Vec<String> {
         let claims = self.claims.iter().map(|claim| claim.name.as_str());
         self.table.names().chain(claims).map(str::to_owned).collect()
+    }
+
+    /// The groups that columns stand in, each once.
+    #[must_use]
+    pub fn groups(&self) -> Vec<String> {
+        let ends =
+            |name: &str| name.match_indices(['.', '[']).map(|(end, _)| name[..end].to_owned()).collect::<Vec<_>>();
+        let groups: BTreeSet<_> = self.table.names().flat_map(ends).collect();
+        groups.into_iter().collect()
     }
 
     /// Keeps the rows between two times, both included; returns whether any are left.
