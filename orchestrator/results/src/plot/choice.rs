@@ -210,9 +210,11 @@ impl<'a> Chooser<'a> {
         let others = || first.table.names().skip(1).filter(|name| !in_path(name) && !self.overlays.contains(name));
         let (changing, constant): (Vec<_>, Vec<_>) = others().partition(|name| first.changes(name));
         for name in changing.into_iter().chain(constant) {
-            let names: Vec<_> = self.beside(name).into_iter().filter(|name| !in_path(name)).collect();
-            if specs.len() < DEFAULT_PANELS && !is_shown(&specs, &[name]) {
-                specs.push(Spec::Columns(names));
+            if specs.len() >= DEFAULT_PANELS {
+                break;
+            }
+            if !is_shown(&specs, &[name]) {
+                specs.push(Spec::Columns(self.beside(name).into_iter().filter(|name| !in_path(name)).collect()));
             }
         }
         (paths, specs)

@@ -35,6 +35,9 @@ pub const WIDTH: f64 = 960.0;
 /// A narrower picture has no room for axes.
 pub const LEAST_WIDTH: f64 = 320.0;
 
+/// And a wider one is no picture for a screen.
+pub const MOST_WIDTH: f64 = 20_000.0;
+
 /// What to draw.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
@@ -130,7 +133,7 @@ impl fmt::Display for PlotError {
                 write!(f, "no row of {run} lies between --from and --to; it has rows from {first} s to {last} s")
             }
             Self::Size => {
-                write!(f, "a picture is at least {LEAST_WIDTH} pixels wide and has at most 200 million pixels")
+                write!(f, "a picture is {LEAST_WIDTH} to {MOST_WIDTH} pixels wide and has at most 200 million pixels")
             }
         }
     }
@@ -169,7 +172,8 @@ impl Drawing {
 /// A name of the selection was not recorded, or is not what it should be drawn as, or there is nothing to draw.
 pub fn draw(mut runs: Vec<Run>, selection: &Selection) -> Result<Drawing, PlotError> {
     let width = selection.width.unwrap_or(WIDTH);
-    if !(width >= LEAST_WIDTH) {
+    let is_possible = (LEAST_WIDTH..=MOST_WIDTH).contains(&width);
+    if !is_possible {
         return Err(PlotError::Size);
     }
     for run in &mut runs {

@@ -198,7 +198,9 @@ impl<'a> Laid<'a> {
                     Kind::Real => thinned(samples, &frame.time),
                     _ => stairs(samples, frame.time.high, &frame.time),
                 };
-                let pixels: Vec<_> = shown.iter().map(|&(t, v)| (frame.time.pixel(t), up.pixel(v))).collect();
+                // What is too large for any picture leaves the panel, not the page.
+                let place = |value: f64| up.pixel(value).clamp(up.last_pixel - 1.0, up.first_pixel + 1.0);
+                let pixels: Vec<_> = shown.iter().map(|&(t, v)| (frame.time.pixel(t), place(v))).collect();
                 picture.curve(&pixels, stroke);
             }
         }

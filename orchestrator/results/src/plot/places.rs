@@ -2,6 +2,7 @@
 
 use super::PlotError;
 use super::run::Run;
+use super::trace::is_place;
 use super::view::Point;
 use std::collections::BTreeMap;
 
@@ -57,7 +58,9 @@ pub(super) fn places(run: &Run, group: &str) -> Result<Vec<Place>, PlotError> {
         }
     }
     let place = |leaves: &BTreeMap<&str, &str>| {
-        let at = |value: fn(&Run, &str) -> Option<f64>, leaf: &str| leaves.get(leaf).and_then(|name| value(run, name));
+        let at = |value: fn(&Run, &str) -> Option<f64>, leaf: &str| {
+            leaves.get(leaf).and_then(|name| value(run, name)).filter(is_place)
+        };
         let point = |value: fn(&Run, &str) -> Option<f64>| {
             Some([at(value, "x")?, at(value, "y")?, at(value, "z").unwrap_or(0.0)])
         };

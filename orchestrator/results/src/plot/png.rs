@@ -11,7 +11,8 @@ impl Picture {
     /// The whole picture, `scale` pixels for each of the SVG's; `None` where it would be too large.
     pub(crate) fn png(&self, width: f64, height: f64, scale: f64) -> Option<Vec<u8>> {
         let (columns, rows) = ((width * scale).ceil(), (height * scale).ceil());
-        if !(columns * rows <= MOST_PIXELS) {
+        let is_possible = columns * rows <= MOST_PIXELS;
+        if !is_possible {
             return None;
         }
         let mut pixels = Pixmap::new(columns as u32, rows as u32)?;
@@ -108,7 +109,7 @@ fn path(pieces: &[Vec<(f64, f64)>], closed: bool) -> Option<Path> {
 fn paint(colour: &str, opacity: f64) -> Paint<'static> {
     let digits: Vec<_> = colour.chars().filter_map(|digit| digit.to_digit(16)).collect();
     let part = |index: usize| match digits.as_slice() {
-        [short @ ..] if short.len() == 3 => 17 * short[index],
+        short @ [_, _, _] => 17 * short[index],
         long => long.get(2 * index).zip(long.get(2 * index + 1)).map_or(0, |(high, low)| 16 * high + low),
     };
     let [red, green, blue] = [0, 1, 2].map(|index| u8::try_from(part(index)).unwrap_or(u8::MAX));

@@ -12,6 +12,9 @@ pub(super) enum Kind {
     Enumeration,
 }
 
+/// What is farther away is no place on any map.
+const FARTHEST_M: f64 = 1e15;
+
 /// The samples of one curve: times in seconds and values, in order, without gaps.
 pub(super) type Samples = Vec<(f64, f64)>;
 
@@ -74,11 +77,16 @@ impl Run {
             return None;
         }
         let rows = self.table.time_s().into_iter().enumerate().filter_map(|(row, time_s)| {
-            let at = |column: &Column| column.values.get(row).copied().flatten().filter(|value| value.is_finite());
+            let at = |column: &Column| column.values.get(row).copied().flatten().filter(is_place);
             Some((time_s, [at(x)?, at(y)?, z.map_or(Some(0.0), at)?]))
         });
         Some(rows.collect())
     }
+}
+
+/// Whether a coordinate in metres is on any map.
+pub(super) fn is_place(coordinate: &f64) -> bool {
+    coordinate.abs() <= FARTHEST_M
 }
 
 fn last(column: &Column) -> Option<f64> {

@@ -59,7 +59,7 @@ fn a_raster_is_bits_of_words_booleans_or_reals() {
         .with("map.cell", "m", |_| 0.5);
     let raster = Raster { group: "map.occupied".to_owned(), columns: Some(8), cell_m: None };
     let selection = Selection { rasters: vec![raster.clone()], ..selecting(&["boat.state.position"]) };
-    let drawing = picture("raster", &[run.clone()], &selection);
+    let drawing = picture("raster", std::slice::from_ref(&run), &selection);
     let is_cell =
         |element: &&Element| matches!(element, Element::Area(_, colour, opacity) if *colour == INK && *opacity == 0.45);
     assert_eq!(drawing.picture.elements.iter().filter(is_cell).count(), 1 + 1 + 3 + 4, "runs of cells, and the legend");
@@ -92,7 +92,7 @@ fn a_mesh_comes_from_a_file_or_from_ports() {
         .with("tile.triangle[3]", "", |_| 3.0);
     let mesh = Mesh::Obj(PathBuf::from("hills.obj"), obj);
     let selection = Selection { meshes: vec![mesh], ..selecting(&["plane.state.position"]) };
-    picture("mesh", &[flight.clone()], &selection);
+    picture("mesh", std::slice::from_ref(&flight), &selection);
     assert_eq!(Surface::read(&flight, &Mesh::Ports("tile".to_owned())).unwrap().points.len(), 3);
     let error = Surface::read(&flight, &Mesh::Obj(PathBuf::from("bad.obj"), "v 0 0 0\n".to_owned())).unwrap_err();
     assert_eq!(error.to_string(), "cannot draw `bad.obj`: it has no triangles");

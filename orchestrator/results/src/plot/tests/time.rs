@@ -129,6 +129,20 @@ fn angles_are_drawn_in_degrees_and_units_stand_at_the_axes() {
 }
 
 #[test]
+fn values_beyond_any_scale_leave_a_picture_that_can_be_read() {
+    let odd = [f64::MAX, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, -1e300, 1e-300, 5e-324, 1e16 + 2.0, 0.0];
+    let at = |offset: usize| move |t: f64| odd[(t as usize + offset) % odd.len()];
+    let run = (0..9).fold(run("odd", "Odd values"), |run, offset| run.with(&format!("a{offset}.b"), "m", at(offset)));
+    let run = run.with("steady.far", "m", |t| 1e9 + 1e-3 * t).with("steady.zero", "m", |_| 0.0);
+    let run = run.with("never.known", "m", |_| f64::NAN).with("tiny.noise", "m", |t| 1e-9 * (t % 1.0));
+    for names in ["a0.b", "a1.b,a2.b,a3.b", "steady.far", "steady.zero", "never.known", "tiny.noise"] {
+        picture("odd", std::slice::from_ref(&run), &selecting(&[names]));
+    }
+    let moving = runs::run("odd", "").along("a.position", move |t| [at(4)(t), 1e12 * t, 0.0]);
+    picture("odd-path", &[moving], &Selection::default());
+}
+
+#[test]
 fn a_second_run_is_laid_over_the_first() {
     let mut other = battery();
     other.name = "battery, cold".to_owned();
@@ -151,7 +165,7 @@ fn what_cannot_be_drawn_is_an_error() {
     let message = "no row of battery lies between --from and --to; it has rows from 0 s to 20 s";
     assert_eq!(error(&late), message);
     let narrow = Selection { width: Some(10.0), ..Selection::default() };
-    assert!(error(&narrow).starts_with("a picture is at least 320 pixels wide"));
+    assert!(error(&narrow).starts_with("a picture is 320 to 20000 pixels wide"));
     assert_eq!(draw(vec![run("empty", "")], &Selection::default()).unwrap_err(), PlotError::Empty);
     let huge = draw(vec![battery()], &Selection::default()).unwrap().png(1e4);
     assert_eq!(huge.unwrap_err(), PlotError::Size);
