@@ -108,7 +108,8 @@ fn events_are_results_with_the_same_bytes_in_both_placements_and_after_a_checkpo
     let verdict: serde_json::Value = serde_json::from_str(&read(home, "together/verdict.json")).unwrap();
     assert_eq!(verdict["events"].as_array().unwrap().len(), events.lines().count() - 1);
     let second = serde_json::json!({
-        "tick": 1, "time_s": 0.01, "change": "opened", "statement": "s.scn:15", "condition": "a.odd"
+        "tick": 1, "time_s": 0.01, "change": "opened", "statement": "s.scn:15", "condition": "a.odd",
+        "trigger": "when", "does": ["freeze"]
     });
     assert_eq!(verdict["events"][0], second);
     for (checkpoint, rows) in [("at40", 5), ("at120", 13)] {

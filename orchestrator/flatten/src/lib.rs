@@ -4,6 +4,7 @@
 
 pub mod claims;
 pub mod columns;
+pub mod event_words;
 pub mod expression;
 pub mod graph;
 pub mod listing;

@@ -278,4 +278,4 @@ fn width<'a>(texts: impl Iterator<Item = &'a str>) -> usize {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

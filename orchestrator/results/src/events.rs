@@ -22,6 +22,12 @@ pub struct WindowChange {
     pub statement: String,
     /// The time or condition as written.
     pub condition: String,
+    /// The word before it: `at`, `when` or `while`. In `verdict.json` only, as the next.
+    #[serde(skip_serializing_if = "str::is_empty")]
+    pub trigger: &'static str,
+    /// What is in force in the window, each once: `set`, or the kind of a fault.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub does: Vec<&'static str>,
 }
 
 /// What happened to a window.
@@ -66,7 +72,9 @@ impl EventsFile {
 
 impl Sink for EventsFile {
     fn event(&mut self, event: Event<'_>) -> Result<(), TraceError> {
-        let Event::Window(WindowChange { tick, time_s, change, statement, condition }) = event else { return Ok(()) };
+        let Event::Window(WindowChange { tick, time_s, change, statement, condition, .. }) = event else {
+            return Ok(());
+        };
         let (time, change) = (shortest_decimal(*time_s), change.text());
         self.line(&format!("{tick},{time},{change},{},{}", quoted(statement), quoted(condition)))
     }
@@ -98,7 +106,9 @@ mod tests {
         {
             let (statement, condition) = ("quad.scn:7".to_owned(), condition.to_owned());
             let time_s = tick as f64 * 0.01;
-            file.event(Event::Window(&WindowChange { tick, time_s, change, statement, condition })).unwrap();
+            let change =
+                WindowChange { tick, time_s, change, statement, condition, trigger: "while", does: vec!["set"] };
+            file.event(Event::Window(&change)).unwrap();
         }
         file.finish(RunState::Finished).unwrap();
         let text = std::fs::read_to_string(home.path().join(EVENTS_CSV)).unwrap();

@@ -10,6 +10,7 @@
 mod arrow_schema;
 pub mod call_log;
 pub mod checkpoint;
+pub mod comparison;
 pub mod csv;
 pub mod diff;
 pub mod events;

@@ -26,12 +26,14 @@ pub const PARTIAL: &str = ".partial";
 
 /// The plot that `lockstep plot` draws of a run.
 pub const PLOT_SVG: &str = "plot.svg";
+/// The same by pixels.
+pub const PLOT_PNG: &str = "plot.png";
 
 /// A longer `run.json` is none of ours.
 const LONGEST_RECORD: u64 = 64 << 20;
 
 /// The files of a run besides its record; those of an earlier run are removed before a new one begins.
-const RESULTS: [&str; 6] = [TRACE_CSV, TRACE_PARQUET, EVENTS_CSV, SIGNALS_JSON, VERDICT_JSON, PLOT_SVG];
+const RESULTS: [&str; 7] = [TRACE_CSV, TRACE_PARQUET, EVENTS_CSV, SIGNALS_JSON, VERDICT_JSON, PLOT_SVG, PLOT_PNG];
 
 /// A folder that this run has locked until the value is dropped.
 #[derive(Debug)]

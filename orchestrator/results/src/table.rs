@@ -38,6 +38,10 @@ pub struct Column {
     pub unit: Option<String>,
     /// Whether its values are known to be Integers, Booleans or items.
     pub is_discrete: bool,
+    /// What `signals.json` says of its type; empty if that is not known.
+    pub kind: String,
+    /// The names of an enumeration's values.
+    pub items: BTreeMap<i32, String>,
     /// A value for each row; `None` where the cell is empty.
     pub values: Vec<Option<f64>>,
 }
@@ -144,7 +148,8 @@ fn column(heading: &Heading, note: Option<&ColumnNote>) -> Column {
         _ => (heading.text.clone(), note.and_then(|note| note.unit.clone())),
     };
     let is_discrete = note.is_some_and(|note| note.kind != "Real");
-    Column { name: printable::line(&name), unit, is_discrete, values: Vec::new() }
+    let (kind, items) = note.map(|note| (note.kind.clone(), note.items.clone())).unwrap_or_default();
+    Column { name: printable::line(&name), unit, is_discrete, kind, items, values: Vec::new() }
 }
 
 impl Column {

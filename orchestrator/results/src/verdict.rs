@@ -1,5 +1,6 @@
 //! `verdict.json`: the verdicts on the claims, each with the margin by which the claim held or failed.
 
+use crate::comparison::Comparison;
 use crate::events::WindowChange;
 use crate::run_record::{Case, Parameter};
 use serde::Serialize;
@@ -156,6 +157,12 @@ pub struct JudgedClaim {
     pub unit: Option<String>,
     /// The worst time in seconds.
     pub at_s: Option<f64>,
+    /// Of a failed claim: the time of the first sample that fails.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_s: Option<f64>,
+    /// The part of the claim that the margin comes from, an index as in [`Comparison::part`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub part: Option<usize>,
     /// The claim as written.
     pub claim: String,
     /// The file that it is in, if that is a part of the script.
@@ -171,6 +178,12 @@ pub struct JudgedClaim {
     pub because: Option<String>,
     /// Of an untested claim: what did not happen.
     pub untested: Option<String>,
+    /// The signals that it reads, in the order of its parts.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub signals: Vec<String>,
+    /// What it compares with which limits, as far as that is recorded.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub comparisons: Vec<Comparison>,
 }
 
 /// The number of claims with each verdict.
@@ -231,6 +244,8 @@ impl JudgedClaim {
             margin,
             unit: claim.unit.as_ref().filter(|unit| !unit.name.is_empty()).map(|unit| unit.name.clone()),
             at_s: judged.then(|| seconds(standing.worst_tick, step_ns)),
+            first_s: (judged && standing.verdict == Verdict::Fails).then(|| seconds(standing.first_tick, step_ns)),
+            part: claim.parts.get(part).filter(|_| judged && standing.verdict != Verdict::Untested).map(|_| part),
             claim: claim.text.clone(),
             file: claim.part_file.clone(),
             line: claim.line,
@@ -240,8 +255,27 @@ impl JudgedClaim {
                 .then(|| because(claim, standing, step_ns))
                 .flatten(),
             untested: claim.gates.get(part).filter(|_| standing.verdict == Verdict::Untested).cloned(),
+            signals: signals(claim),
+            comparisons: Vec::new(),
         }
     }
+
+    /// The same with what it compares.
+    #[must_use]
+    pub fn comparing(self, comparisons: Vec<Comparison>) -> Self {
+        Self { comparisons, ..self }
+    }
+}
+
+/// The signals of all parts, each once.
+fn signals(claim: &ClaimInfo) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for name in claim.parts.iter().flat_map(|part| &part.signals) {
+        if !names.contains(name) {
+            names.push(name.clone());
+        }
+    }
+    names
 }
 
 /// Which part of a failed claim failed, in which window, when first and when worst, by which signals.

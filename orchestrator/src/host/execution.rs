@@ -145,7 +145,10 @@ fn verdict(scenario: &Scenario, record: &RunRecord, script: &str, end: String, e
         time_s: seconds(ended.last_tick, scenario.step_ns),
         end,
         claims: claims
-            .map(|(claim, standing)| JudgedClaim::new(&claims::info(claim), standing, scenario.step_ns))
+            .map(|(claim, standing)| {
+                let judged = JudgedClaim::new(&claims::info(claim), standing, scenario.step_ns);
+                judged.comparing(claims::comparisons(claim, scenario))
+            })
             .collect(),
         events: ended.events.clone(),
     }

@@ -12,7 +12,21 @@ const ALLOWED: [(&str, &[&str]); 7] = [
     ("orchestrator/unit/Cargo.toml", &["fmi2", "libc", "libloading", "serde", "sha2", "zip", "zmij"]),
     (
         "orchestrator/results/Cargo.toml",
-        &["base64", "fmi2", "humantime", "parquet", "postcard", "serde", "serde_json", "sha2", "unit", "zmij"],
+        &[
+            "base64",
+            "fmi2",
+            "humantime",
+            "libm",
+            "parquet",
+            "postcard",
+            "serde",
+            "serde_json",
+            "sha2",
+            "tiny-skia",
+            "ttf-parser",
+            "unit",
+            "zmij",
+        ],
     ),
 ];
 

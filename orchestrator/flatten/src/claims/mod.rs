@@ -7,6 +7,7 @@
 //! `report/` of the crate `results`.
 
 mod claim;
+mod comparisons;
 mod early;
 mod history;
 #[cfg(test)]
@@ -19,6 +20,7 @@ mod tests;
 mod until;
 mod window;
 
+pub use comparisons::comparisons;
 pub use memory::ClaimsMemory;
 
 use crate::expression::{Moment, SlotOf, Stack};

@@ -5,12 +5,13 @@ use dsl::loader::{Loader, Problem, Table};
 use dsl::parse::parse;
 use dsl::parts::Parts;
 use dsl::resolve::{Request, resolve};
+use dsl::scenario::Scenario;
 use dsl::source::{Source, Sources};
 use fmi2::description::ModelDescription;
 use fmi2::description::read::read;
 use std::sync::Arc;
 
-const TANK: &str = r#"<?xml version="1.0"?>
+pub(crate) const TANK: &str = r#"<?xml version="1.0"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Tank" guid="g">
   <CoSimulation modelIdentifier="tank" canHandleVariableCommunicationStepSize="true"/>
   <UnitDefinitions>
@@ -74,6 +75,12 @@ impl Loader for Tank {
 
 /// The plan of a script whose instances all have the unit of this description.
 fn plan(script: &str, description: &str) -> String {
+    let (scenario, description) = resolved(script, description);
+    text(&scenario, &vec![description.as_ref(); scenario.instances.len()])
+}
+
+/// A script whose instances all have the unit of this description, with that.
+pub(crate) fn resolved(script: &str, description: &str) -> (Scenario, Arc<ModelDescription>) {
     let mut sources = Sources::default();
     let file = sources.add("three.scn", script);
     let parsed = parse(&sources, file);
@@ -90,7 +97,7 @@ fn plan(script: &str, description: &str) -> String {
         isolated: false,
     });
     let scenario = resolved.scenario.unwrap_or_else(|| panic!("{:?}", resolved.diagnostics));
-    text(&scenario, &vec![description.as_ref(); scenario.instances.len()])
+    (scenario, description)
 }
 
 #[test]

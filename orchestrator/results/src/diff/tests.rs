@@ -7,7 +7,13 @@ fn table(header: &str, rows: &[&str]) -> Table {
     let column = |(index, name): (usize, &str)| {
         let (name, unit) = name.split_once(' ').map_or((name, None), |(name, unit)| (name, Some(unit.to_owned())));
         let value = |row: &&str| row.split(',').nth(index).unwrap().parse().ok();
-        Column { name: name.to_owned(), unit, is_discrete: name == "mode", values: rows.iter().map(value).collect() }
+        Column {
+            name: name.to_owned(),
+            unit,
+            is_discrete: name == "mode",
+            values: rows.iter().map(value).collect(),
+            ..Column::default()
+        }
     };
     Table { columns: header.split(',').enumerate().map(column).collect(), partial: false }
 }

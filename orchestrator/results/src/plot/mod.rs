@@ -1,180 +1,198 @@
-//! Plots of a run: paths in space and signals over time, as one SVG.
+//! Plots of runs: paths in space and signals over time, as one SVG or PNG.
+//!
+//! A picture has a title, a view of the paths, and panels over one time axis. Nothing in it is about one unit: what is
+//! drawn is chosen by names, types and units of measure of columns.
 
+mod bands;
+mod choice;
+mod claimed;
+mod font;
+mod labels;
+mod layout;
+mod mesh;
+mod overlay;
+mod panel;
 mod paths;
+mod places;
+mod png;
+mod raster;
+mod run;
 mod scale;
-mod series;
 pub(crate) mod svg;
+mod trace;
+mod view;
 
-use crate::table::Table;
-use paths::{Mark, Path};
-use series::{Curve, Panel};
+pub use run::Run;
+
+use choice::Choice;
+use fmi2::printable;
 use std::fmt;
+use std::path::PathBuf;
 use svg::Picture;
 
-const WIDTH: f64 = 960.0;
-/// Without a choice of signals a picture has at most this many panels.
-const DEFAULT_PANELS: usize = 4;
+/// The width of a picture in pixels where none is asked for.
+pub const WIDTH: f64 = 960.0;
+/// A narrower picture has no room for axes.
+pub const LEAST_WIDTH: f64 = 320.0;
+
+/// And a wider one is no picture for a screen.
+pub const MOST_WIDTH: f64 = 20_000.0;
 
 /// What to draw.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
-    /// Names of columns or groups; a position group becomes a path, anything else a panel, several names with commas
-    /// between them one panel for each unit. Empty: all paths and the first few groups.
+    /// Names of columns, groups or claims; a position group becomes a path, anything else a panel, several names with
+    /// commas between them one panel for each unit. Empty: all paths, what the claims are about, and the first few groups.
     pub signals: Vec<String>,
-    /// An Integer or Boolean column at whose changes the first path is marked with letters.
+    /// An Integer, Boolean or Enumeration column at whose changes the first path is marked with letters.
     pub mark: Option<String>,
+    /// Discrete columns that are drawn as coloured bands over all panels.
+    pub modes: Vec<String>,
+    /// Groups of circles: positions with a radius.
+    pub circles: Vec<String>,
+    /// Groups of points: positions.
+    pub points: Vec<String>,
+    /// Cells over the ground.
+    pub rasters: Vec<Raster>,
+    /// A surface of triangles: a file, or a group of points and triangles.
+    pub meshes: Vec<Mesh>,
+    /// The first second that is drawn.
+    pub from_s: Option<f64>,
+    /// The last second that is drawn.
+    pub to_s: Option<f64>,
+    /// From where the paths are seen.
+    pub view: ViewFrom,
+    /// The width in pixels; `None` is [`WIDTH`].
+    pub width: Option<f64>,
 }
 
-/// Why a trace cannot be drawn.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// From where paths are seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ViewFrom {
+    /// From above where all is in one plane, else oblique.
+    #[default]
+    Fitting,
+    /// From above: x to the right, y upwards.
+    Above,
+    /// From the side and above: x to the lower right, y to the upper right, z upwards.
+    Oblique,
+}
+
+/// Cells over the ground, and what its ports do not tell.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Raster {
+    /// An array: Booleans, reals, or Integers of 32 cells each, the least bit first.
+    pub group: String,
+    /// The number of cells from left to right.
+    pub columns: Option<usize>,
+    /// The side of a cell in metres.
+    pub cell_m: Option<f64>,
+}
+
+/// A surface of triangles.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mesh {
+    /// The text of a Wavefront OBJ file in metres, and its name.
+    Obj(PathBuf, String),
+    /// A group with `point[…].{x,y,z}` and `triangle[…]`, three Integers each.
+    Ports(String),
+}
+
+/// Why a run cannot be drawn.
+#[derive(Clone, Debug, PartialEq)]
 pub enum PlotError {
-    /// No column or group has this name.
+    /// No column, group or claim has this name.
     Unknown(String),
+    /// What has this name is not what it should be drawn as.
+    Unfit {
+        /// The name.
+        name: String,
+        /// What was expected and found.
+        reason: String,
+    },
     /// The trace has no rows or no columns.
     Empty,
+    /// No row lies between the times that were asked for.
+    NoRows {
+        /// The run.
+        run: String,
+        /// Its first and last second.
+        has_s: (f64, f64),
+    },
+    /// The picture is narrower than its axes, or has too many pixels.
+    Size,
 }
 
 impl fmt::Display for PlotError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unknown(name) => write!(f, "no column or group `{name}` was recorded"),
+            Self::Unknown(name) => write!(f, "no column or group `{}` was recorded", printable::line(name)),
+            Self::Unfit { name, reason } => write!(f, "cannot draw `{}`: {reason}", printable::line(name)),
             Self::Empty => f.write_str("nothing was recorded"),
+            Self::NoRows { run, has_s: (first, last) } => {
+                write!(f, "no row of {run} lies between --from and --to; it has rows from {first} s to {last} s")
+            }
+            Self::Size => {
+                write!(f, "a picture is {LEAST_WIDTH} to {MOST_WIDTH} pixels wide and has at most 200 million pixels")
+            }
         }
     }
 }
 
 impl std::error::Error for PlotError {}
 
-/// Draws a trace.
+/// A picture that is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawing {
+    picture: Picture,
+    title: String,
+    width: f64,
+    height: f64,
+}
+
+impl Drawing {
+    /// As SVG: shapes and texts, the same bytes for the same runs.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        self.picture.finish(&self.title, self.width, self.height)
+    }
+
+    /// As PNG, `scale` pixels for each of the SVG's.
+    ///
+    /// # Errors
+    /// The picture has too many pixels.
+    pub fn png(&self, scale: f64) -> Result<Vec<u8>, PlotError> {
+        self.picture.png(self.width, self.height, scale).ok_or(PlotError::Size)
+    }
+}
+
+/// Draws runs over each other; the first is the one whose claims and windows are shown.
 ///
 /// # Errors
-/// A name of the selection was not recorded, or the trace is empty.
-pub fn draw(title: &str, table: &Table, selection: &Selection) -> Result<String, PlotError> {
-    let trace = Trace { table };
-    let time_s = table.time_s();
-    if time_s.is_empty() || table.columns.len() < 2 {
+/// A name of the selection was not recorded, or is not what it should be drawn as, or there is nothing to draw.
+pub fn draw(mut runs: Vec<Run>, selection: &Selection) -> Result<Drawing, PlotError> {
+    let width = selection.width.unwrap_or(WIDTH);
+    let is_possible = (LEAST_WIDTH..=MOST_WIDTH).contains(&width);
+    if !is_possible {
+        return Err(PlotError::Size);
+    }
+    for run in &mut runs {
+        let time_s = run.table.time_s();
+        let Some((&first, &last)) = time_s.first().zip(time_s.last()) else { return Err(PlotError::Empty) };
+        if run.table.columns.len() < 2 {
+            return Err(PlotError::Empty);
+        }
+        if !run.keep(selection.from_s, selection.to_s) {
+            return Err(PlotError::NoRows { run: run.name.clone(), has_s: (first, last) });
+        }
+    }
+    if runs.is_empty() {
         return Err(PlotError::Empty);
     }
-    let (paths, panels) =
-        if selection.signals.is_empty() { trace.default_choice() } else { trace.chosen(&selection.signals)? };
-    let marks = selection.mark.as_deref().map(|name| trace.marks(name)).transpose()?.unwrap_or_default();
-    let mut picture = Picture::default();
-    let mut top = 8.0;
-    if !paths.is_empty() {
-        paths::draw(&mut picture, &paths, &marks, top, WIDTH);
-        top += paths::HEIGHT;
-    }
-    for panel in &panels {
-        series::draw(&mut picture, panel, &time_s, top, WIDTH);
-        top += series::HEIGHT;
-    }
-    Ok(picture.finish(title, WIDTH, top + 8.0))
-}
-
-struct Trace<'a> {
-    table: &'a Table,
-}
-
-impl Trace<'_> {
-    fn unit(&self, name: &str) -> &str {
-        let column = self.table.column(name);
-        column.and_then(|column| column.unit.as_deref()).filter(|unit| *unit != "1").unwrap_or_default()
-    }
-
-    fn column(&self, name: &str) -> Option<Vec<f64>> {
-        Some(self.table.column(name)?.numbers())
-    }
-
-    /// The columns that a name selects: the column itself, or all columns of a group or array.
-    fn members(&self, name: &str) -> Vec<&str> {
-        let below =
-            |other: &str| other.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
-        self.table.names().filter(|other| below(other)).collect()
-    }
-
-    /// A group of x, y, z in metres.
-    fn path(&self, group: &str) -> Option<Path> {
-        let [x, y, z] = ["x", "y", "z"].map(|axis| format!("{group}.{axis}"));
-        let in_metres = [&x, &y, &z].iter().all(|name| self.unit(name) == "m");
-        let (x, y, z) = (self.column(&x)?, self.column(&y)?, self.column(&z)?);
-        let points_m = x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect();
-        in_metres.then(|| Path { name: group.to_owned(), points_m })
-    }
-
-    fn panel(&self, names: &[&str]) -> Panel {
-        let unit = names.first().map(|name| self.unit(name)).unwrap_or_default();
-        let (shown_unit, factor) = display_unit(unit);
-        let curve = |name: &&str| Curve {
-            name: (*name).to_owned(),
-            values: self.column(name).unwrap_or_default().into_iter().map(|value| value * factor).collect(),
-        };
-        Panel { unit: shown_unit.to_owned(), curves: names.iter().map(curve).collect() }
-    }
-
-    fn chosen(&self, signals: &[String]) -> Result<(Vec<Path>, Vec<Panel>), PlotError> {
-        let (mut paths, mut panels) = (Vec::new(), Vec::new());
-        for names in signals {
-            let mut curves = Vec::new();
-            for name in names.split(',') {
-                match (self.path(name), self.members(name)) {
-                    (Some(path), _) => paths.push(path),
-                    (None, members) if members.is_empty() => return Err(PlotError::Unknown(name.to_owned())),
-                    (None, members) => curves.extend(members),
-                }
-            }
-            panels.extend(curves.chunk_by(|a, b| self.unit(a) == self.unit(b)).map(|same| self.panel(same)));
-        }
-        Ok((paths, panels))
-    }
-
-    /// All position groups; then the first groups of columns that are no positions, angles of attitude first.
-    fn default_choice(&self) -> (Vec<Path>, Vec<Panel>) {
-        let groups = self.table.names().filter_map(|name| name.strip_suffix(".x")).filter(|g| g.ends_with("position"));
-        let mut paths: Vec<_> = groups.filter_map(|group| self.path(group)).collect();
-        // Actual positions come before setpoints.
-        paths.sort_by_key(|path| path.name.contains("setpoint"));
-        let mut panels: Vec<Vec<&str>> = Vec::new();
-        for name in self.table.names().skip(1) {
-            let in_path =
-                paths.iter().any(|path| name.strip_prefix(&path.name).is_some_and(|rest| rest.starts_with('.')));
-            let same =
-                |group: &&mut Vec<&str>| group_of(group[0]) == group_of(name) && self.unit(group[0]) == self.unit(name);
-            if in_path {
-                continue;
-            }
-            match panels.iter_mut().find(same) {
-                Some(group) => group.push(name),
-                None => panels.push(vec![name]),
-            }
-        }
-        let panels = panels.iter().take(DEFAULT_PANELS).map(|names| self.panel(names)).collect();
-        (paths, panels)
-    }
-
-    /// The first row, the rows at which a column changes, and the last row, lettered from A.
-    fn marks(&self, name: &str) -> Result<Vec<Mark>, PlotError> {
-        let values = self.column(name).ok_or_else(|| PlotError::Unknown(name.to_owned()))?;
-        let mut indices = vec![0];
-        indices.extend((1..values.len()).filter(|&index| values[index].to_bits() != values[index - 1].to_bits()));
-        indices.push(values.len() - 1);
-        let letters = ('A'..='Z').map(String::from);
-        Ok(indices.into_iter().zip(letters).map(|(index, text)| Mark { index, text }).collect())
-    }
-}
-
-/// Everything before the last dot or index: columns of one group share a panel.
-fn group_of(name: &str) -> &str {
-    let end = name.rfind(['.', '[']).unwrap_or(name.len());
-    &name[..end]
-}
-
-/// Angles are drawn in degrees.
-fn display_unit(unit: &str) -> (&str, f64) {
-    let degrees = 180.0 / std::f64::consts::PI;
-    match unit {
-        "rad" => ("deg", degrees),
-        other => (other, 1.0),
-    }
+    let choice = Choice::new(&runs, selection)?;
+    let (picture, height) = layout::draw(&runs, selection, &choice, width)?;
+    let title = runs.iter().map(|run| run.name.as_str()).collect::<Vec<_>>().join(", ");
+    Ok(Drawing { picture, title, width, height })
 }
 
 #[cfg(test)]

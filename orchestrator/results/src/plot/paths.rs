@@ -1,153 +1,259 @@
-//! Paths in space: an oblique view of all position groups, with a grid on the ground and a curtain below the first.
+//! Paths in space: a view to scale of all position groups, with a grid on the ground and what stands there.
 
-use super::scale::{extent, label, ticks};
-use super::svg::{Anchor, CURVES, FAINT_INK, GRID, INK, Picture, Stroke};
+use super::choice::Choice;
+use super::font::width as text_width;
+use super::labels::{Labels, Legend, Sample};
+use super::mesh::{MIDDLE_SHADE, Surface};
+use super::overlay::{self, CIRCLE};
+use super::places::{Place, circles, places};
+use super::raster::Cells;
+use super::run::Run;
+use super::scale::label_in_steps;
+use super::svg::{Anchor, FAINT_INK, GRID, INK, Picture, Stroke};
+use super::view::{self, Point, View};
+use super::{PlotError, Selection};
 
-/// The view's height in pixels.
-pub(super) const HEIGHT: f64 = 520.0;
+/// The most height of the view in pixels.
+const HEIGHT: f64 = 400.0;
+/// And where nothing moves.
+const RESTING: f64 = 200.0;
+const SIDE: f64 = 76.0;
+const BELOW: f64 = 44.0;
+const ABOVE: f64 = 30.0;
 
-/// A position group over time, in metres.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Path {
-    pub name: String,
-    pub points_m: Vec<[f64; 3]>,
+/// A position group of one run over time, in metres.
+struct Path {
+    points_m: Vec<(f64, Point)>,
+    stroke: Stroke,
+    is_other: bool,
 }
 
-/// A point on a path with a text beside it.
+/// A point on a path with a letter beside it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Mark {
-    pub index: usize,
-    pub text: String,
+    pub at_s: f64,
+    pub letter: String,
 }
 
-/// An oblique parallel view: x to the lower right, y to the upper right, z up.
-#[derive(Clone, Copy, Debug)]
-struct View {
-    low: [f64; 3],
-    high: [f64; 3],
-    /// How much taller than true heights are drawn.
-    height_factor: f64,
-    scale: f64,
-    origin: (f64, f64),
+/// All that is drawn in space.
+#[derive(Default)]
+pub(super) struct Space {
+    paths: Vec<Path>,
+    circles: Vec<Place>,
+    points: Vec<Place>,
+    cells: Vec<Cells>,
+    surfaces: Vec<Surface>,
+    marks: Vec<Mark>,
+    legend: Legend,
 }
 
-/// Directions of the world's axes on the page for a scale of one: seen from azimuth 240°, 30° above the ground.
-const X_ON_PAGE: (f64, f64) = (0.866, 0.25);
-const Y_ON_PAGE: (f64, f64) = (0.5, -0.433);
-const Z_ON_PAGE: f64 = -0.866;
-
-impl View {
-    /// Fits all points into a box on the page.
-    fn fit(paths: &[Path], left: f64, top: f64, width: f64, height: f64) -> Self {
-        let axis =
-            |axis: usize| extent(paths.iter().flat_map(|path| path.points_m.iter().map(move |point| point[axis])));
-        let ends = [axis(0), axis(1), axis(2)];
-        let (low_z, high_z) = (ends[2].0.min(0.0), ends[2].1);
-        let across = (ends[0].1 - ends[0].0).max(ends[1].1 - ends[1].0);
-        let wanted = (0.25 * across / (high_z - low_z)).clamp(1.0, 10.0);
-        let height_factor = if wanted < 1.5 { 1.0 } else { wanted.round() };
-        let low = [ends[0].0, ends[1].0, low_z];
-        let high = [ends[0].1, ends[1].1, high_z];
-        let mut view = Self { low, high, height_factor, scale: 1.0, origin: (0.0, 0.0) };
-        let corners = view.corners().map(|corner| view.page(corner));
-        let (min_x, max_x) = extent(corners.iter().map(|corner| corner.0));
-        let (min_y, max_y) = extent(corners.iter().map(|corner| corner.1));
-        view.scale = (width / (max_x - min_x)).min(height / (max_y - min_y));
-        let slack = (width - view.scale * (max_x - min_x), height - view.scale * (max_y - min_y));
-        view.origin = (left + slack.0 / 2.0 - view.scale * min_x, top + slack.1 / 2.0 - view.scale * min_y);
-        view
+impl Space {
+    pub(super) fn new(runs: &[Run], selection: &Selection, choice: &Choice) -> Result<Self, PlotError> {
+        let mut space = Self::default();
+        let Some(first) = runs.first() else { return Err(PlotError::Empty) };
+        for (index, name) in choice.paths.iter().enumerate() {
+            let main = Stroke::of_curve(index, if index == 0 { 2.2 } else { 1.6 });
+            for (number, run) in runs.iter().enumerate() {
+                let stroke = if number == 0 { main } else { main.of_other(number) };
+                let points_m = run.path(name).unwrap_or_default();
+                space.paths.push(Path { points_m, stroke, is_other: number > 0 });
+            }
+            space.legend.add(Sample::Line(main), name.as_str());
+        }
+        for group in &selection.circles {
+            space.circles.extend(circles(first, group)?);
+            space.legend.add(Sample::Field(CIRCLE, 0.5), group.as_str());
+        }
+        for group in &selection.points {
+            space.points.extend(places(first, group)?);
+            space.legend.add(Sample::None, format!("× {group}"));
+        }
+        for raster in &selection.rasters {
+            space.cells.push(Cells::read(first, raster)?);
+            space.legend.add(Sample::Field(INK, 0.45), raster.group.as_str());
+        }
+        for mesh in &selection.meshes {
+            let surface = Surface::read(first, mesh)?;
+            space.legend.add(Sample::Field(MIDDLE_SHADE, 1.0), surface.name.as_str());
+            space.surfaces.push(surface);
+        }
+        if let Some(name) = &selection.mark {
+            space.marks = marks(first, name)?;
+            space.legend.add(Sample::None, format!("letters: {name} changes"));
+        }
+        Ok(space)
     }
 
-    fn corners(&self) -> [[f64; 3]; 8] {
-        let end = |high: bool, axis: usize| if high { self.high[axis] } else { self.low[axis] };
-        std::array::from_fn(|bits| [end(bits & 1 > 0, 0), end(bits & 2 > 0, 1), end(bits & 4 > 0, 2)])
+    pub(super) fn is_empty(&self) -> bool {
+        let bare = self.circles.is_empty() && self.points.is_empty() && self.cells.is_empty();
+        self.paths.is_empty() && bare && self.surfaces.is_empty()
     }
 
-    fn page(&self, [x, y, z]: [f64; 3]) -> (f64, f64) {
-        let (x, y, z) = (x - self.low[0], y - self.low[1], (z - self.low[2]) * self.height_factor);
-        let page = (X_ON_PAGE.0 * x + Y_ON_PAGE.0 * y, X_ON_PAGE.1 * x + Y_ON_PAGE.1 * y + Z_ON_PAGE * z);
-        (self.origin.0 + self.scale * page.0, self.origin.1 + self.scale * page.1)
+    /// All points that the view must have room for.
+    fn room(&self) -> Vec<Point> {
+        let mut points: Vec<Point> =
+            self.paths.iter().flat_map(|path| path.points_m.iter().map(|(_, at)| *at)).collect();
+        points.extend(self.circles.iter().chain(&self.points).flat_map(overlay::room));
+        points.extend(self.surfaces.iter().flat_map(|surface| surface.points.iter().copied()));
+        let ground = points.iter().map(|point| point[2]).fold(f64::INFINITY, f64::min);
+        let ground = if ground.is_finite() { ground } else { 0.0 };
+        points.extend(self.cells.iter().flat_map(|cells| cells.room(ground)));
+        points
     }
-}
 
-/// Draws all paths; the first is drawn solid as the main one, the others are dashed.
-pub(super) fn draw(picture: &mut Picture, paths: &[Path], marks: &[Mark], top: f64, width: f64) {
-    let view = View::fit(paths, 70.0, top + 50.0, width - 140.0, HEIGHT - 110.0);
-    floor(picture, &view);
-    let strokes: Vec<_> =
-        CURVES.iter().cycle().take(paths.len()).enumerate().map(|(i, colour)| stroke(i, colour)).collect();
-    for (path, stroke) in paths.iter().zip(&strokes).skip(1) {
-        picture.curve(&thinned(&view, &path.points_m), *stroke);
+    /// Draws the view below `top`; returns the height that it needs.
+    pub(super) fn draw(&self, picture: &mut Picture, selection: &Selection, top: f64, width: f64) -> f64 {
+        let wide = width - 2.0 * 16.0;
+        self.legend.draw(picture, (16.0, top), wide);
+        let upper = top + self.legend.height(wide) + ABOVE;
+        let room = self.room();
+        let height = if view::rests(&room) { RESTING } else { HEIGHT.min(0.6 * width) };
+        let view = View::fit(&room, selection.view, [SIDE, upper, width - 2.0 * SIDE, height]);
+        let mut labels = Labels::default();
+        if self.surfaces.is_empty() || view.above {
+            floor(picture, &view);
+        }
+        self.surfaces.iter().for_each(|surface| surface.draw(picture, &view));
+        self.cells.iter().for_each(|cells| cells.draw(picture, &view));
+        self.letters(picture, &view, &mut labels, false);
+        numbers(picture, &view, &mut labels);
+        let main = self.paths.first();
+        if let Some(path) = main.filter(|_| !view.above && self.surfaces.is_empty()) {
+            curtain(picture, &view, path);
+        }
+        overlay::circles(picture, &view, &self.circles);
+        overlay::points(picture, &view, &self.points);
+        for path in self.paths.iter().filter(|path| path.is_other) {
+            picture.curve(&thinned(&view, path), path.stroke);
+        }
+        for path in self.paths.iter().filter(|path| !path.is_other).rev() {
+            picture.curve(&thinned(&view, path), path.stroke);
+            ends(picture, &view, path);
+        }
+        self.letters(picture, &view, &mut labels, true);
+        view.bounds()[3] + BELOW - top
     }
-    if let (Some(first), Some(stroke)) = (paths.first(), strokes.first()) {
-        curtain(picture, &view, first, stroke.colour);
-        picture.curve(&thinned(&view, &first.points_m), *stroke);
-        for mark in marks {
-            let until = &first.points_m[..first.points_m.len().min(mark.index + 1)];
-            let Some(&point) = until.iter().rfind(|point| is_sample(point)) else { continue };
-            let (x, y) = view.page(point);
-            picture.dot((x, y), 4.0, stroke.colour);
-            picture.text((x - 7.0, y - 7.0), Anchor::End, 13.0, INK, &mark.text);
+
+    /// Letters at the marks of the first path. Their places are taken before those of numbers, and they are drawn last.
+    fn letters(&self, picture: &mut Picture, view: &View, labels: &mut Labels, drawn: bool) {
+        let Some(path) = self.paths.first() else { return };
+        let mut scratch = Picture::default();
+        let mut again = Labels::default();
+        let labels = if drawn { &mut again } else { labels };
+        for mark in &self.marks {
+            let index = path.points_m.partition_point(|(time_s, _)| *time_s <= mark.at_s + 1e-9).max(1) - 1;
+            let Some((_, point)) = path.points_m.get(index) else { continue };
+            let (x, y) = view.page(*point);
+            let at = |dx: f64, dy: f64, anchor: Anchor| ((x + dx, y + dy), anchor);
+            let places = [
+                at(-7.0, -7.0, Anchor::End),
+                at(7.0, -7.0, Anchor::Start),
+                at(-7.0, 16.0, Anchor::End),
+                at(7.0, 16.0, Anchor::Start),
+                at(0.0, -12.0, Anchor::Middle),
+                at(0.0, 22.0, Anchor::Middle),
+            ];
+            let into = if drawn { &mut *picture } else { &mut scratch };
+            into.dot((x, y), 4.0, path.stroke.colour);
+            labels.write(into, &places, (13.0, INK), &mark.letter);
         }
     }
-    let legend: Vec<_> = paths.iter().zip(strokes).map(|(path, stroke)| (path.name.clone(), stroke)).collect();
-    picture.legend((40.0, top + 24.0), &legend);
-    if view.height_factor > 1.0 {
-        let note = format!("heights drawn {} times", label(view.height_factor));
-        picture.text((width - 24.0, top + 24.0), Anchor::End, 11.0, FAINT_INK, &note);
+}
+
+/// A ring where a path begins and a dot where it ends.
+fn ends(picture: &mut Picture, view: &View, path: &Path) {
+    if let Some((first, last)) = path.points_m.first().zip(path.points_m.last()) {
+        picture.ring(view.page(first.1), 3.0, path.stroke.colour);
+        picture.dot(view.page(last.1), 4.0, path.stroke.colour);
     }
 }
 
-fn stroke(index: usize, colour: &'static str) -> Stroke {
-    if index == 0 { Stroke::new(colour, 2.2) } else { Stroke::new(colour, 1.4).dashed() }
-}
-
-/// Grid lines and numbers on the ground, and the height axis at its left corner.
+/// Grid lines on the ground.
 fn floor(picture: &mut Picture, view: &View) {
-    let ([x0, y0, z0], [x1, y1, z1]) = (view.low, view.high);
-    for x in ticks(x0, x1, 6.0) {
+    let ([x0, y0, z0], [x1, y1, _]) = (view.low, view.high);
+    for x in view.ticks(0) {
         picture.line(view.page([x, y0, z0]), view.page([x, y1, z0]), Stroke::new(GRID, 1.0));
-        let (px, py) = view.page([x, y0, z0]);
-        picture.text((px - 4.0, py + 16.0), Anchor::Middle, 11.0, FAINT_INK, &label(x));
     }
-    for y in ticks(y0, y1, 6.0) {
+    for y in view.ticks(1) {
         picture.line(view.page([x0, y, z0]), view.page([x1, y, z0]), Stroke::new(GRID, 1.0));
-        let (px, py) = view.page([x1, y, z0]);
-        picture.text((px + 8.0, py + 12.0), Anchor::Start, 11.0, FAINT_INK, &label(y));
     }
-    for z in ticks(z0, z1, 3.0) {
-        let (px, py) = view.page([x0, y0, z]);
-        picture.line((px - 4.0, py), (px, py), Stroke::new(FAINT_INK, 1.0));
-        picture.text((px - 8.0, py + 4.0), Anchor::End, 11.0, FAINT_INK, &label(z));
+}
+
+/// Numbers at the ends of the grid lines, the height axis at the left corner, and the names of the axes.
+fn numbers(picture: &mut Picture, view: &View, labels: &mut Labels) {
+    let ([x0, y0, z0], [x1, y1, z1]) = (view.low, view.high);
+    let faint = (11.0, FAINT_INK);
+    let mut x_axis = Axis { picture, labels, view, style: faint };
+    let (x_at, y_at) = if view.above {
+        (((0.0, 16.0), Anchor::Middle), ((-8.0, 4.0), Anchor::End))
+    } else {
+        (((-4.0, 15.0), Anchor::End), ((8.0, 15.0), Anchor::Start))
+    };
+    let y_edge = if view.above { x0 } else { x1 };
+    x_axis.numbers(0, x_at, |x| [x, y0, z0]);
+    x_axis.numbers(1, y_at, |y| [y_edge, y, z0]);
+    let ((x_x, x_y), (y_x, y_y)) = (view.page([(x0 + x1) / 2.0, y0, z0]), view.page([y_edge, (y0 + y1) / 2.0, z0]));
+    if view.above {
+        let corner = view.page([x0, y1, z0]);
+        x_axis.title((x_x, x_y + 36.0), Anchor::Middle, "x [m]");
+        x_axis.title((corner.0 - 8.0, corner.1 - 12.0), Anchor::End, "y [m]");
+        return;
     }
-    picture.line(view.page([x0, y0, z0]), view.page([x0, y0, z1]), Stroke::new(FAINT_INK, 1.0));
-    let (mid_x, mid_y) = view.page([(x0 + x1) / 2.0, y0, z0]);
-    picture.text((mid_x - 24.0, mid_y + 34.0), Anchor::Middle, 12.0, INK, "x, m");
-    let (mid_x, mid_y) = view.page([x1, (y0 + y1) / 2.0, z0]);
-    picture.text((mid_x + 42.0, mid_y + 22.0), Anchor::Start, 12.0, INK, "y, m");
+    x_axis.numbers(2, ((-8.0, 4.0), Anchor::End), |z| [x0, y0, z]);
+    x_axis.title((x_x - 26.0, x_y + 34.0), Anchor::End, "x [m]");
+    let numbers = view.ticks(1).iter().map(|y| text_width(&label_in_steps(*y, view.step.0), 11.0)).fold(0.0, f64::max);
+    x_axis.title((y_x + 20.0 + numbers, y_y + 24.0), Anchor::Start, "y [m]");
     let (top_x, top_y) = view.page([x0, y0, z1]);
-    picture.text((top_x, top_y - 10.0), Anchor::Middle, 12.0, INK, "z, m");
+    x_axis.title((top_x, top_y - 10.0), Anchor::Middle, "z [m]");
+    let corner = view.page([x0, y0, z0]);
+    x_axis.picture.line(corner, (top_x, top_y), Stroke::new(FAINT_INK, 1.0));
+    for z in view.ticks(2) {
+        let (x, y) = view.page([x0, y0, z]);
+        x_axis.picture.line((x - 4.0, y), (x, y), Stroke::new(FAINT_INK, 1.0));
+    }
+}
+
+struct Axis<'a> {
+    picture: &'a mut Picture,
+    labels: &'a mut Labels,
+    view: &'a View,
+    style: (f64, &'static str),
+}
+
+impl Axis<'_> {
+    fn numbers(&mut self, axis: usize, ((dx, dy), anchor): ((f64, f64), Anchor), at: impl Fn(f64) -> Point) {
+        let step = if axis == 2 { self.view.step.1 } else { self.view.step.0 };
+        for tick in self.view.ticks(axis) {
+            let (x, y) = self.view.page(at(tick));
+            self.labels.write(self.picture, &[((x + dx, y + dy), anchor)], self.style, &label_in_steps(tick, step));
+        }
+    }
+
+    fn title(&mut self, at: (f64, f64), anchor: Anchor, text: &str) {
+        let lower = ((at.0, at.1 + 12.0), anchor);
+        self.labels.write(self.picture, &[(at, anchor), lower], (12.0, INK), text);
+    }
 }
 
 /// A faint surface from the path down to the ground, which shows the position above the ground.
-fn curtain(picture: &mut Picture, view: &View, path: &Path, colour: &'static str) {
-    let ground = |point: &[f64; 3]| view.page([point[0], point[1], view.low[2]]);
-    let samples: Vec<_> = path.points_m.iter().filter(|point| is_sample(point)).collect();
-    let steps: Vec<_> = samples.iter().step_by((samples.len() / 300).max(1)).copied().collect();
+fn curtain(picture: &mut Picture, view: &View, path: &Path) {
+    let colour = path.stroke.colour;
+    let steps: Vec<_> = path.points_m.iter().step_by((path.points_m.len() / 300).max(1)).map(|(_, at)| *at).collect();
     for pair in steps.windows(2) {
-        let wall = [view.page(*pair[0]), view.page(*pair[1]), ground(pair[1]), ground(pair[0])];
-        if wall.iter().all(|(x, y)| x.is_finite() && y.is_finite()) {
+        let wall = [view.page(pair[0]), view.page(pair[1]), view.ground(pair[1]), view.ground(pair[0])];
+        let is_thin = (wall[0].0 - wall[1].0).abs() < 0.05 && (wall[2].0 - wall[3].0).abs() < 0.05;
+        if !is_thin {
             picture.polygon(&wall, colour, 0.07);
         }
     }
-    let shadow: Vec<_> = steps.iter().map(|point| ground(point)).collect();
+    let shadow: Vec<_> = steps.iter().map(|point| view.ground(*point)).collect();
     picture.curve(&shadow, Stroke::new(colour, 1.0).faint(0.35));
 }
 
-/// Points that are at least half a pixel apart; rows without a sample are left out.
-fn thinned(view: &View, points_m: &[[f64; 3]]) -> Vec<(f64, f64)> {
+/// Points that are at least half a pixel apart, and the last one.
+fn thinned(view: &View, path: &Path) -> Vec<(f64, f64)> {
     let mut kept: Vec<(f64, f64)> = Vec::new();
-    for point in points_m.iter().filter(|point| is_sample(point)).map(|&point| view.page(point)) {
+    for point in path.points_m.iter().map(|(_, point)| view.page(*point)) {
         if kept.last().is_none_or(|last| (last.0 - point.0).abs() + (last.1 - point.1).abs() > 0.5) {
             kept.push(point);
         }
@@ -155,38 +261,15 @@ fn thinned(view: &View, points_m: &[[f64; 3]]) -> Vec<(f64, f64)> {
     kept
 }
 
-fn is_sample(point: &[f64; 3]) -> bool {
-    point.iter().all(|coordinate| coordinate.is_finite())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_point_of_a_path_lies_inside_the_view() {
-        let points_m = vec![[0.0, 0.0, 0.0], [30.0, 0.0, 10.0], [30.0, -70.0, 10.0], [0.0, -70.0, 0.0]];
-        let paths = [Path { name: "p".into(), points_m }];
-        let view = View::fit(&paths, 10.0, 20.0, 300.0, 200.0);
-        for point in &paths[0].points_m {
-            let (x, y) = view.page(*point);
-            assert!((10.0..=310.0).contains(&x) && (20.0..=220.0).contains(&y), "{x} {y}");
-        }
+/// The first row, the rows at which a column changes, and the last row, lettered from A.
+pub(super) fn marks(run: &Run, name: &str) -> Result<Vec<Mark>, PlotError> {
+    if run.table.column(name).is_none() {
+        return Err(PlotError::Unknown(name.to_owned()));
     }
-
-    #[test]
-    fn rows_without_a_sample_interrupt_no_path() {
-        let (sample, none) = (|x: f64| [x, x, x], [f64::NAN; 3]);
-        let paths =
-            [Path { name: "p".into(), points_m: vec![sample(0.0), none, sample(5.0), none, sample(10.0), none] }];
-        let view = View::fit(&paths, 0.0, 0.0, 300.0, 200.0);
-        assert_eq!(thinned(&view, &paths[0].points_m), [0.0, 5.0, 10.0].map(|x| view.page(sample(x))));
-    }
-
-    #[test]
-    fn up_is_up_on_the_page() {
-        let paths = [Path { name: "p".into(), points_m: vec![[0.0; 3], [10.0, 10.0, 10.0]] }];
-        let view = View::fit(&paths, 0.0, 0.0, 100.0, 100.0);
-        assert!(view.page([5.0, 5.0, 9.0]).1 < view.page([5.0, 5.0, 1.0]).1);
-    }
+    let samples = run.samples(name);
+    let Some((first, last)) = samples.first().zip(samples.last()) else { return Ok(Vec::new()) };
+    let changes = samples.windows(2).filter(|pair| pair[0].1.to_bits() != pair[1].1.to_bits()).map(|pair| pair[1].0);
+    let times = [first.0].into_iter().chain(changes).chain([last.0]);
+    let letters = ('A'..='Z').map(String::from);
+    Ok(times.zip(letters).map(|(at_s, letter)| Mark { at_s, letter }).collect())
 }

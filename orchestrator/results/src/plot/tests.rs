@@ -1,72 +1,79 @@
-//! Tests of what a picture shows.
+//! Tests of what a picture shows, each with a run of its own.
 
+mod overlays;
+mod runs;
+mod space;
+mod time;
+
+use super::labels::overlap;
+use super::svg::{Element, INK, Stroke};
 use super::*;
-use crate::table::Column;
 
-fn trace() -> Table {
-    let units = [
-        ("time", Some("s")),
-        ("path.setpoint.position.x", Some("m")),
-        ("path.setpoint.position.y", Some("m")),
-        ("path.setpoint.position.z", Some("m")),
-        ("path.leg", None),
-        ("quad.state.position.x", Some("m")),
-        ("quad.state.position.y", Some("m")),
-        ("quad.state.position.z", Some("m")),
-        ("quad.roll", Some("rad")),
-        ("quad.pitch", Some("rad")),
-        ("quad.thrust", Some("N")),
-    ];
-    let value = |i: usize, k: u32| f64::from(if i == 4 { k / 4 } else { i as u32 * k });
-    let column = |(i, (name, unit)): (usize, &(&str, Option<&str>))| Column {
-        name: (*name).to_owned(),
-        unit: unit.map(str::to_owned),
-        values: (0..10).map(|k| Some(value(i, k))).collect(),
-        ..Column::default()
-    };
-    Table { columns: units.iter().enumerate().map(column).collect(), partial: false }
-}
-
-#[test]
-fn without_a_choice_paths_come_first_and_positions_before_setpoints() {
-    let table = trace();
-    let (paths, panels) = Trace { table: &table }.default_choice();
-    let names: Vec<_> = paths.iter().map(|path| path.name.as_str()).collect();
-    assert_eq!(names, ["quad.state.position", "path.setpoint.position"]);
-    let curves: Vec<Vec<_>> = panels.iter().map(|p| p.curves.iter().map(|c| c.name.as_str()).collect()).collect();
-    assert_eq!(curves, [vec!["path.leg"], vec!["quad.roll", "quad.pitch"], vec!["quad.thrust"]]);
-}
-
-#[test]
-fn angles_are_drawn_in_degrees() {
-    let table = trace();
-    let panel = Trace { table: &table }.panel(&["quad.roll"]);
-    assert_eq!(panel.unit, "deg");
-    assert!((panel.curves[0].values[1] - 8.0 * 57.295_779_513).abs() < 1e-6);
-}
-
-#[test]
-fn a_mark_stands_at_the_start_at_each_change_and_at_the_end() {
-    let table = trace();
-    let marks = Trace { table: &table }.marks("path.leg").unwrap();
-    let texts: Vec<_> = marks.iter().map(|mark| (mark.index, mark.text.as_str())).collect();
-    assert_eq!(texts, [(0, "A"), (4, "B"), (8, "C"), (9, "D")]);
-}
-
-#[test]
-fn a_name_that_was_not_recorded_is_an_error() {
-    let table = trace();
-    let selection = Selection { signals: vec!["quad.rol".to_owned()], mark: None };
-    let error = draw("t", &table, &selection).unwrap_err();
-    assert_eq!(error.to_string(), "no column or group `quad.rol` was recorded");
-}
-
-#[test]
-fn a_picture_is_closed_and_names_its_curves() {
-    let table = trace();
-    let svg = draw("A run", &table, &Selection::default()).unwrap();
-    assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
-    for name in ["A run", "quad.state.position", "path.setpoint.position", "quad.thrust", "time, s"] {
-        assert!(svg.contains(name), "{name}");
+/// The picture of a run, which is also written where `LOCKSTEP_PICTURES` names a folder: to be looked at.
+fn picture(name: &str, runs: &[Run], selection: &Selection) -> Drawing {
+    let drawing = draw(runs.to_vec(), selection).unwrap();
+    let again = draw(runs.to_vec(), selection).unwrap();
+    assert_eq!(drawing.svg(), again.svg(), "the same run has the same picture");
+    if let Some(folder) = std::env::var_os("LOCKSTEP_PICTURES") {
+        let path = PathBuf::from(folder).join(name);
+        std::fs::write(path.with_extension("svg"), drawing.svg()).unwrap();
+        std::fs::write(path.with_extension("png"), drawing.png(2.0).unwrap()).unwrap();
     }
+    is_readable(&drawing);
+    drawing
+}
+
+/// No text covers another or leaves the picture, and every point is a number.
+fn is_readable(drawing: &Drawing) {
+    let texts = drawing.picture.texts();
+    for (index, (one, text)) in texts.iter().enumerate() {
+        assert!(one[0] >= 0.0 && one[2] <= drawing.width + 0.5, "{text:?} leaves the picture at {one:?}");
+        assert!(one[1] >= 0.0 && one[3] <= drawing.height, "{text:?} leaves the picture at {one:?}");
+        for (other, covered) in &texts[..index] {
+            let inner = [other[0] + 2.0, other[1], other[2] - 2.0, other[3]];
+            assert!(!overlap(one, &inner), "{text:?} at {one:?} covers {covered:?} at {other:?}");
+        }
+    }
+    for element in &drawing.picture.elements {
+        let (Element::Lines(_, _) | Element::Area(..)) = element else { continue };
+        let points: Vec<_> = match element {
+            Element::Lines(pieces, _) => pieces.concat(),
+            Element::Area(corners, ..) => corners.clone(),
+            _ => Vec::new(),
+        };
+        for (x, y) in points {
+            assert!((-1.0..=drawing.width + 1.0).contains(&x), "{x} of {element:?}");
+            assert!((-1.0..=drawing.height + 1.0).contains(&y), "{y} of {element:?}");
+        }
+    }
+}
+
+fn texts(drawing: &Drawing) -> Vec<&str> {
+    drawing.picture.texts().into_iter().map(|(_, text)| text).collect()
+}
+
+fn has(drawing: &Drawing, text: &str) -> bool {
+    texts(drawing).contains(&text)
+}
+
+/// The lines at limits: left, right and height of each.
+fn limits(drawing: &Drawing) -> Vec<(f64, f64, f64)> {
+    let line = |element: &Element| match element {
+        // Samples in the legend are shorter.
+        Element::Lines(pieces, stroke) if *stroke == Stroke::limit() && pieces[0][1].0 - pieces[0][0].0 != 22.0 => {
+            Some((pieces[0][0].0, pieces[0][1].0, pieces[0][0].1))
+        }
+        _ => None,
+    };
+    drawing.picture.elements.iter().filter_map(line).collect()
+}
+
+/// The rings at worst samples and the triangles at first failures, without those of the legend.
+fn rings(drawing: &Drawing) -> usize {
+    let is_ring = |element: &&Element| matches!(element, Element::Disc(_, radius, [_, border], _) if *radius == 4.5 && *border == INK);
+    drawing.picture.elements.iter().filter(is_ring).count()
+}
+
+fn selecting(signals: &[&str]) -> Selection {
+    Selection { signals: signals.iter().map(|name| (*name).to_owned()).collect(), ..Selection::default() }
 }

@@ -1,6 +1,7 @@
 //! Windows that opened and closed, as results show them.
 
 use super::Supervision;
+use flatten::event_words;
 use flatten::wiring::Change;
 use results::TraceError;
 use results::events::{Changed, WindowChange};
@@ -19,6 +20,8 @@ impl<W: Write> Supervision<'_, W> {
             change: if change.opened { Changed::Opened } else { Changed::Closed },
             statement: event.statement.clone(),
             condition: event.condition.clone(),
+            trigger: event_words::trigger(event),
+            does: event_words::does(event),
         };
         let recorded = self.recorder.event(Event::Window(&change));
         self.events.push(change);
