@@ -67,7 +67,7 @@ pub struct NotFinite {
 impl core::fmt::Display for NotFinite {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let Self { quantity, number, value } = self;
-        write!(f, "number {number} of the {quantity} became {value}")
+        write!(f, "number {number} of the {quantity} became {value}: an input may be too large, or the step too long")
     }
 }
 

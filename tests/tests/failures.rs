@@ -173,7 +173,7 @@ fn a_value_that_a_unit_of_ours_refuses_ends_the_run_with_the_units_own_message()
         let arguments = ["run", path.to_str().unwrap(), "--out", out.to_str().unwrap()];
         let said = run(&repository(), &[&arguments, placement].concat());
         assert_eq!(said.code, Some(3));
-        let discarded = "0.51 s  quad  discard  fmi2SetReal: 1.01 is no value for `effectiveness[1]`, which lies between 0 and 1; \
+        let discarded = "0.51 s  quad  discard  fmi2SetReal: `effectiveness[1]` cannot be 1.01: it must be between 0 and 1; \
                          nothing was set\nerror: `quad`: fmi2SetReal returned fmi2Discard at 0.51 s\n";
         assert!(said.err.contains(discarded), "{}", said.err);
         let trace = std::fs::read_to_string(out.join("trace.csv")).unwrap();

@@ -125,7 +125,7 @@ impl PortAttribute {
                 return Err(Error::new(word.span(), self.why_not(&name)));
             }
             if seen.contains(&name) {
-                return Err(Error::new(word.span(), format!("`{name}` stands here twice")));
+                return Err(Error::new(word.span(), format!("`{name}` is given twice")));
             }
             self.read_word(&name, input)?;
             seen.push(name);
@@ -166,7 +166,7 @@ impl PortAttribute {
             (_, "depends" | "init") => "only an output says what it depends on".to_owned(),
             (Role::Group, _) => format!("`group` takes nothing: its fields say `{word}`"),
             _ => {
-                format!("`{word}` says nothing about {}; it may say {}", article(role), self.role.keywords().join(", "))
+                format!("{} has no attribute `{word}`; it may have {}", article(role), self.role.keywords().join(", "))
             }
         }
     }
@@ -179,7 +179,7 @@ impl PortAttribute {
                 fail("an exact output is a state, which depends on nothing: drop `depends` or `exact`")
             }
             (Role::Output, None, None) => fail(
-                "say what the output depends on, `depends(..)` or `depends()`, or that it is a state that starts at a value, `exact = ..`",
+                "an output needs `depends(..)`, which may be empty, or `exact = ..` for a state with a start value",
             ),
             (Role::Output, Some(_), None) if self.depends_at_start.is_some() => {
                 fail("an exact output starts at its value and depends on nothing: drop `init` or `exact`")

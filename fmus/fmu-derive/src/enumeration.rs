@@ -9,7 +9,7 @@ use syn::{Data, DataEnum, DeriveInput, Error, Expr, ExprLit, Fields, Lit, Result
 /// `impl FmiEnum` and `impl Port` for an enum.
 pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
     let Data::Enum(data) = &input.data else {
-        return Err(Error::new_spanned(&input.ident, "an enumeration is an enum"));
+        return Err(Error::new_spanned(&input.ident, "`FmiEnum` is for an enum"));
     };
     let Some(first) = data.variants.first().map(|variant| &variant.ident) else {
         return Err(Error::new_spanned(&input.ident, "an enumeration has at least one item"));
@@ -80,7 +80,7 @@ fn check_descriptions(input: &DeriveInput, data: &DataEnum) -> Result<()> {
 /// The value of a variant: its discriminant, or one more than the previous value.
 fn value(variant: &Variant, next: i32) -> Result<i32> {
     if !matches!(variant.fields, Fields::Unit) {
-        return Err(Error::new_spanned(variant, "an item of an enumeration carries no data"));
+        return Err(Error::new_spanned(variant, "an item of an enumeration has no fields"));
     }
     match &variant.discriminant {
         None => Ok(next),

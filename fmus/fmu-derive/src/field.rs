@@ -58,7 +58,8 @@ pub fn fields(input: &DeriveInput) -> Result<Vec<Field>> {
 
 /// That something which other tools show has no description.
 pub fn undescribed(ident: &Ident) -> Error {
-    let message = format!("say what `{}` is in a doc comment, `/// ..`, which other tools show", ident.unraw());
+    let message =
+        format!("`{}` needs a doc comment, `/// ..`: it becomes the description that other tools show", ident.unraw());
     Error::new(ident.span(), message)
 }
 

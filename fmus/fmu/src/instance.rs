@@ -106,7 +106,7 @@ impl Instance {
 
     fn warn_of(&self, call: Call) -> Status {
         let message =
-            format!("{}: not allowed in state `{}`, done all the same", call.name(), self.progress.state.name());
+            format!("{}: not allowed in state `{}`, accepted anyway", call.name(), self.progress.state.name());
         self.log.send(Status::Warning, &message);
         Status::Warning
     }

@@ -84,27 +84,33 @@ impl Refusal {
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotAllowed { state } => write!(f, "not allowed in state `{}`", state.name()),
+            Self::NotAllowed { state } => match state {
+                State::Error => f.write_str("not allowed after an error; the unit can be read, reset and freed"),
+                _ => write!(f, "not allowed in state `{}`", state.name()),
+            },
             Self::Poisoned => f.write_str("the unit panicked before; it can be read, reset and freed"),
-            Self::Panic { text } => write!(f, "the unit panicked, which is a defect of it: {text}"),
+            Self::Panic { text } => write!(f, "the unit panicked (a bug in the unit): {text}"),
             Self::SetUpBefore => f.write_str("the experiment is set up already"),
-            Self::NotSupported { capability } => write!(f, "the unit cannot do this, its {capability}"),
+            Self::NotSupported { capability } => write!(f, "not supported: {capability}"),
             Self::Null { argument } => write!(f, "`{argument}` is a null pointer"),
             Self::NoSuchPort { base_type, reference, count } => {
-                write!(f, "there is no {base_type} with value reference {reference}; the unit has {count}, from 0")
+                write!(
+                    f,
+                    "there is no {base_type} with value reference {reference}; the unit has {count}, counted from 0"
+                )
             }
             Self::NotSettable { port, state } => {
                 write!(f, "`{port}` cannot be set in state `{}`; nothing was set", state.name())
             }
             Self::NotFinite { port, value } => {
-                write!(f, "{value} is no value for `{port}`; nothing was set")
+                write!(f, "`{port}` cannot be {value}: only finite numbers are accepted; nothing was set")
             }
             Self::OutOfBounds { port, value, min, max } => {
-                write!(f, "{value} is no value for `{port}`, which ")?;
+                write!(f, "`{port}` cannot be {}: it must be ", number(*value))?;
                 match (*min == f64::MIN, *max == f64::MAX) {
-                    (true, _) => write!(f, "is at most {max}")?,
-                    (_, true) => write!(f, "is at least {min}")?,
-                    _ => write!(f, "lies between {min} and {max}")?,
+                    (true, _) => write!(f, "at most {}", number(*max))?,
+                    (_, true) => write!(f, "at least {}", number(*min))?,
+                    _ => write!(f, "between {} and {}", number(*min), number(*max))?,
                 }
                 f.write_str("; nothing was set")
             }
@@ -122,17 +128,25 @@ impl fmt::Display for Refusal {
     }
 }
 
+/// A number in few characters: `10`, `0.5`, `1e-6`.
+fn number(value: f64) -> String {
+    let is_short = value.fract() == 0.0 && value.abs() < 1e9;
+    if is_short { format!("{value}") } else { format!("{value:?}") }
+}
+
 impl Refusal {
     /// Messages about time and the model.
     fn time(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Experiment { start_s, stop_s: Some(stop_s) } => {
-                write!(f, "a run from {start_s} s to {stop_s} s is none")
+                write!(f, "the stop time {stop_s} s is before the start time {start_s} s, or one of them is not finite")
             }
             Self::Experiment { start_s, .. } => write!(f, "a run cannot start at {start_s} s"),
-            Self::StepLength { length_s } => write!(f, "a step of {length_s} s is none; its length must be positive"),
+            Self::StepLength { length_s } => {
+                write!(f, "the length of a step must be positive and finite, found {length_s} s")
+            }
             Self::CommunicationPoint { expected_s, found_s } => {
-                write!(f, "the step begins at {found_s} s, but the unit stands at {expected_s} s")
+                write!(f, "the step begins at {found_s} s, but the time of the unit is {expected_s} s")
             }
             Self::BeyondStop { end_s, stop_s } => {
                 write!(f, "the step ends at {end_s} s, after the stop time {stop_s} s")
@@ -143,12 +157,12 @@ impl Refusal {
             }
             Self::Outputs { time_s, fault } => write!(f, "there are no outputs at {time_s} s: {fault}"),
             Self::OutsideStep { start_s, end_s, found_s } => {
-                write!(f, "the unit says {found_s} s in a step from {start_s} s to {end_s} s, which is a defect of it")
+                write!(f, "the unit reports {found_s} s in a step from {start_s} s to {end_s} s (a bug in the unit)")
             }
             Self::Discarded { start_s, end_s, until_s } => {
                 write!(f, "the step from {start_s} s to {end_s} s was made until {until_s} s only")
             }
-            Self::Ended { at_s } => write!(f, "the unit has come to its end at {at_s} s"),
+            Self::Ended { at_s } => write!(f, "the unit terminated the simulation at {at_s} s"),
             _ => unreachable!("all others are written in `fmt`"),
         }
     }

@@ -104,7 +104,7 @@ impl Instance {
         let state =
             state.filter(|state| !matches!(state, State::NotInstantiated | State::StepInProgress | State::Fatal));
         let progress = Progress {
-            state: state.ok_or_else(|| refuse("they stand in no state that can be saved"))?,
+            state: state.ok_or_else(|| refuse("they were saved in a state from which a run cannot continue"))?,
             experiment: payload.experiment,
             now: payload.now_ns.map_or(Time::Seconds(payload.now_s), Time::Nanoseconds),
             ended: payload.ended,

@@ -111,14 +111,14 @@ impl Owner<'_> {
         Some(format!("{}\n{} bytes\n{} ns\n", self.unit.display(), metadata.len(), modified.as_nanos()))
     }
 
-    /// Removes the library, so that cargo builds it anew, unless the note says that it is this unit's and was left as it is.
+    /// Removes the library, and unless the note says that it is this unit's and was left as it is, also what it is a link to,
+    /// so that cargo builds it anew.
     fn remove_what_others_left(&self, library: &Path) -> Result<(), PackError> {
         let noted = std::fs::read_to_string(&self.file).ok();
-        if noted.is_some() && noted == self.text(library) {
-            return Ok(());
-        }
+        let is_own = noted.is_some() && noted == self.text(library);
         let name = library.file_name().unwrap_or_default();
-        let built = library.parent().map(|folder| folder.join("deps").join(name));
+        // The library itself is a link that cargo makes anew in each build of a `cdylib`; an old one must not pass for that.
+        let built = library.parent().map(|folder| folder.join("deps").join(name)).filter(|_| !is_own);
         for file in [Some(library.to_path_buf()), built].into_iter().flatten() {
             match std::fs::remove_file(&file) {
                 Err(source) if source.kind() != std::io::ErrorKind::NotFound => {

@@ -133,7 +133,7 @@ pub fn new_unit(name: &str, fmu: &Path, current: &Path) -> Result<NewUnit, PackE
     let fmu = fmu_folder(fmu)?;
     let folder = current.join(name);
     if folder.exists() {
-        let message = format!("{} is already there", printable::path(Path::new(name)));
+        let message = format!("a file or folder {} exists already", printable::path(Path::new(name)));
         return Err(refusal(message, Some("choose another name".to_owned())));
     }
     let place = match workspace_folder(current)? {
@@ -189,12 +189,14 @@ fn write_crate(name: &str, fmu: &str, folder: &Path, alone: bool) -> Result<(), 
 
 fn check_name(name: &str) -> Result<(), PackError> {
     let allowed = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
-    let help = "small letters, digits and `_`, a letter first, for example my_tank".to_owned();
+    let help = "use lower-case letters, digits and `_`, starting with a letter, for example my_tank".to_owned();
     if !name.starts_with(|c: char| c.is_ascii_lowercase()) || !name.chars().all(allowed) {
         return Err(refusal(format!("`{}` cannot be the name of a unit", printable::line(name)), Some(help)));
     }
     if TAKEN.contains(&name) {
-        let message = format!("`{name}` cannot be the name of a unit: it is a word of Rust or the name of a library");
+        let message = format!(
+            "`{name}` cannot be the name of a unit: it is a keyword of Rust, or the name of a library that units use"
+        );
         return Err(refusal(message, Some(format!("for example my_{name}"))));
     }
     Ok(())
@@ -252,7 +254,8 @@ fn with_member(workspace: &Path, folder: &Path) -> Result<Option<String>, PackEr
         refusal(message, Some(format!("add {entry} to the members of its [workspace], then try again")))
     };
     let Some(table) = root_of(&text).ok_or_else(by_hand)?.workspace else {
-        let message = format!("{} is the manifest of one package", printable::path(&path));
+        let message =
+            format!("this folder belongs to the package of {}, which is not a workspace", printable::path(&path));
         let help = "start the unit in another folder, or make this one a workspace: write [workspace] there".to_owned();
         return Err(refusal(message, Some(help)));
     };
@@ -359,7 +362,7 @@ mod tests {
         let only_words = joined("# the [workspace] table\n[workspace]\n", "b").unwrap_err();
         assert!(only_words.help().is_some_and(|help| help.starts_with("add \"b\" to the members")), "{only_words}");
         let error = joined("[package]\nname = \"a\"\n", "b").unwrap_err();
-        assert!(error.to_string().ends_with("is the manifest of one package"), "{error}");
+        assert!(error.to_string().ends_with("which is not a workspace"), "{error}");
     }
 
     #[test]

@@ -92,7 +92,7 @@ impl Describe {
         }
         if text.is_empty() {
             let help = "run it in a workspace with units, or name a folder of .fmu files: --units DIR".to_owned();
-            return Err(("no units here".to_owned(), Some(help)));
+            return Err(("there are no units in this folder or its workspace".to_owned(), Some(help)));
         }
         Ok(text)
     }

@@ -7,7 +7,7 @@ use results::report;
 use results::report::invocation::program;
 use std::path::{Path, PathBuf};
 
-/// Writes something new to start from.
+/// Creates a unit or a script.
 #[derive(Debug, clap::Args)]
 pub struct New {
     #[command(subcommand)]
@@ -16,9 +16,9 @@ pub struct New {
 
 #[derive(Debug, clap::Subcommand)]
 enum What {
-    /// Writes a crate for a unit of one's own, with a test and a script that runs it
+    /// Creates a crate for your own unit, with a test and a script that runs it
     Unit(Unit),
-    /// Writes a script that loads units and connects what fits by name, members and unit of measure
+    /// Creates a script that loads units and connects what fits by name, members and unit of measure
     Scenario(scenario::Scenario),
 }
 
@@ -62,9 +62,9 @@ impl Unit {
             Ok(new) => new,
             Err(error) => return refused(&error),
         };
-        report::result(&self.next(new.unit.workspace == new.unit.folder));
-        if let Some(note) = new.note {
-            report::status(&note);
+        match new.note {
+            None => report::result(&self.next(new.unit.workspace == new.unit.folder)),
+            Some(note) => report::status(&note),
         }
         0
     }

@@ -54,7 +54,11 @@ impl Pack {
         let units = workspace.map(|workspace| workspace.units).unwrap_or_default();
         if self.all {
             let help = "run it in a cargo workspace with packages that have [package.metadata.fmu]".to_owned();
-            return if units.is_empty() { Err(("here are no units".to_owned(), Some(help))) } else { Ok(units) };
+            return if units.is_empty() {
+                Err(("there are no units in this folder or its workspace".to_owned(), Some(help)))
+            } else {
+                Ok(units)
+            };
         }
         self.units.iter().map(|name| one(name, &units, &current)).collect()
     }

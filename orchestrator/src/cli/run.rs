@@ -57,7 +57,7 @@ pub struct Run {
     #[cfg(feature = "bus")]
     #[arg(long)]
     isolate: bool,
-    /// End as soon as a claim is lost
+    /// End as soon as a claim has failed
     #[arg(long)]
     fail_fast: bool,
     /// Simulated seconds for each second of the wall clock, to watch it: 1 is real time [default: as fast as it goes]
@@ -72,14 +72,14 @@ pub struct Run {
     #[cfg(feature = "bus")]
     #[command(flatten)]
     live: live::Live,
-    /// Logs every call of an instance with arguments and status to fmi-calls.NAME.log, and asks its unit to tell all that
-    /// it can (loggingOn); may be given several times
+    /// Logs every call of an instance with arguments and status to fmi-calls.NAME.log, and turns on its log messages
+    /// (loggingOn); may be given several times
     #[arg(long, value_name = "NAME")]
     log_fmi_calls: Vec<String>,
     /// Print verdict.json instead of the table
     #[arg(long)]
     json: bool,
-    /// Tell progress as JSON lines on standard error
+    /// Print progress as JSON lines on standard error
     #[arg(long, value_name = "json")]
     progress: Option<ProgressForm>,
     /// How long a call of a unit may take before the run is given up; 0 waits for ever

@@ -150,8 +150,16 @@ impl Catalogue {
         }
         let of_script = self.workspace_of_script(folder)?;
         let of_script = of_script.iter().flat_map(|workspace| &workspace.units).find(|unit| unit.name == name);
-        match (of_script.map(UnitCrate::archive).filter(|archive| archive.is_file()), found) {
-            (Some(archive), _) => Ok(archive),
+        match (of_script.map(|unit| (unit, unit.archive())).filter(|(_, archive)| archive.is_file()), found) {
+            (Some((unit, archive)), _) => {
+                if pack::is_stale(unit, &archive) {
+                    results::report::status(&format!(
+                        "warning: the packed unit `{name}` is older than its sources; to build it: --units {}",
+                        printable::path(&unit.workspace)
+                    ));
+                }
+                Ok(archive)
+            }
             (None, Some(Origin::Crate(unit))) => self.built(&unit),
             (None, _) => Err(of_script.map_or_else(|| self.unknown(name), not_packed)),
         }
@@ -189,7 +197,7 @@ impl Catalogue {
         let help = match dsl::nearest::nearest(name, names) {
             Some(near) => format!("did you mean `{near}`? All units: {} describe", program()),
             None if entries.is_empty() => {
-                "name a file, \"my_unit.fmu\", or a folder of them, --units DIR; here is no cargo workspace with units"
+                "write a file, \"my_unit.fmu\", or give a folder of units with --units DIR; the current folder is in no workspace with units"
                     .to_owned()
             }
             None => format!("{} units are here: {} describe", entries.len(), program()),

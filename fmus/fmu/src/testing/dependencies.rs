@@ -85,7 +85,7 @@ fn moved_at_once(subject: &mut Subject, base: &Base, moves: &mut BTreeSet<Move>,
         return;
     }
     if subject.bytes() != state {
-        found.insert("a second `outputs` changes what the first one left: it must not change a state".to_owned());
+        found.insert("calling `outputs` twice gives different values: it must not change a state".to_owned());
     }
     let without: Vec<Value> = outputs.iter().map(|&output| subject.get(output)).collect();
     for input in inputs {
@@ -100,7 +100,7 @@ fn moved_at_once(subject: &mut Subject, base: &Base, moves: &mut BTreeSet<Move>,
                 if subject.compute_outputs(now_s).is_ok() && subject.bytes() != state {
                     let name = subject.name(input);
                     found.insert(format!(
-                        "`outputs` changes a state: the unit remembers that `{name}` had another value"
+                        "`outputs` changes a state: its result depends on an earlier value of `{name}`"
                     ));
                 }
             }
@@ -138,11 +138,11 @@ fn undeclared(subject: &Subject, moves: &BTreeSet<Move>) -> Vec<String> {
     let line = |&(when, output, known): &Move| {
         let (unknowns, words) = match when {
             When::AtTheStart => (&structure.initial_unknowns, "at the start"),
-            When::AtOnce => (&structure.outputs, "at once"),
+            When::AtOnce => (&structure.outputs, "at the same instant"),
         };
         let (output_name, known_name) = (subject.name(output), subject.name(known));
         (!declares(unknowns, output, known))
-            .then(|| format!("`{output_name}` moves with `{known_name}` {words}, which it does not declare"))
+            .then(|| format!("`{output_name}` depends on `{known_name}` {words}, but does not declare it"))
     };
     moves.iter().filter_map(line).collect()
 }
@@ -166,12 +166,12 @@ fn superfluous(scalars: &[Scalar], moves: &BTreeSet<Move>) -> BTreeSet<String> {
             |name: &str| scalars.iter().any(|known| known.declaration.role == Role::Input && known.is_named(name));
         for name in depends.iter().filter(|name| is_input(name) && !moved(When::AtOnce, name)) {
             lines.insert(format!(
-                "`{field}` declares `{name}`, but does not move with it at once: compute it in `outputs`, or leave the name out"
+                "`{field}` declares `{name}`, but does not change with it at the same instant: compute it in `outputs`, or leave the name out"
             ));
         }
         for name in depends_at_start.iter().filter(|name| !moved(When::AtTheStart, name)) {
             lines.insert(format!(
-                "`{field}` declares `{name}` for the start, but never moves with it there: leave it out"
+                "`{field}` declares `{name}` for the start, but does not change with it there: leave it out"
             ));
         }
     }

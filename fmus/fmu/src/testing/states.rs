@@ -22,7 +22,7 @@ pub fn init_can_be_repeated(library: &'static Library) -> Result<(), Findings> {
     let once = init(&mut subject)?;
     let mut found = Vec::new();
     if init(&mut subject)? != once {
-        found.push("a second `init` changes what the first one left".to_owned());
+        found.push("calling `init` twice gives different values".to_owned());
     }
     for known in subject.variables(|variable| variable.has_start()) {
         let start = subject.get(known);
@@ -34,7 +34,9 @@ pub fn init_can_be_repeated(library: &'static Library) -> Result<(), Findings> {
             if init(&mut subject)? != once {
                 let name = subject.name(known);
                 let refused = if refused { " and refused" } else { "" };
-                found.push(format!("`init` remembers that `{name}` was once {other:?}{refused}"));
+                found.push(format!(
+                    "the result of `init` depends on an earlier value of `{name}`, which was {other:?}{refused}"
+                ));
             }
         }
     }
@@ -63,13 +65,13 @@ pub fn a_saved_state_goes_on_bit_for_bit(library: &'static Library) -> Result<()
     subject.restore(&*kept);
     run(&mut subject, STEPS..2 * STEPS).map_err(fault)?;
     if subject.bytes().map_err(unwritten)? != end {
-        found.push("a restored unit goes on otherwise: `Clone` leaves something out".to_owned());
+        found.push("a restored unit gives other results: `Clone` leaves something out".to_owned());
     }
     let mut other = Subject::new(library);
     other.read_bytes(&written).map_err(unwritten)?;
     run(&mut other, STEPS..2 * STEPS).map_err(fault)?;
     if other.bytes().map_err(unwritten)? != end {
-        found.push("a unit read from bytes goes on otherwise: `Serialize` leaves something out".to_owned());
+        found.push("a unit read from bytes gives other results: `Serialize` leaves something out".to_owned());
     }
     Findings::none_or(found)
 }

@@ -12,7 +12,7 @@ fn panicked() -> Importer {
     let importer = Importer::new().started();
     assert_eq!((importer.set_integer(port::DEED, 6), importer.set_real(port::SPEED, UNLUCKY_M_S)), (OK, OK));
     assert_eq!(importer.step(0.0, 0.1), ERROR);
-    assert_eq!(importer.only_message(), "fmi2DoStep: the unit panicked, which is a defect of it: told to panic");
+    assert_eq!(importer.only_message(), "fmi2DoStep: the unit panicked (a bug in the unit): told to panic");
     importer
 }
 

@@ -78,10 +78,10 @@ fn undeclared_and_superfluous_dependencies_are_found_and_nothing_else() {
     assert_eq!(
         found.0,
         [
-            "`at_once` moves with `input` at once, which it does not declare",
-            "`at_start` moves with `gain` at the start, which it does not declare",
-            "`less` declares `bound` for the start, but never moves with it there: leave it out",
-            "`sampled` declares `input`, but does not move with it at once: compute it in `outputs`, or leave the name out",
+            "`at_once` depends on `input` at the same instant, but does not declare it",
+            "`at_start` depends on `gain` at the start, but does not declare it",
+            "`less` declares `bound` for the start, but does not change with it there: leave it out",
+            "`sampled` declares `input`, but does not change with it at the same instant: compute it in `outputs`, or leave the name out",
         ]
     );
 }
@@ -95,7 +95,7 @@ fn a_start_value_outside_its_bounds_is_found() {
 #[test]
 fn an_init_that_counts_its_calls_is_found() {
     let found = init_can_be_repeated(&WRONG).expect_err("one mistake");
-    assert_eq!(found.0[0], "a second `init` changes what the first one left");
+    assert_eq!(found.0[0], "calling `init` twice gives different values");
 }
 
 /// Whose hidden state does not reach the bytes.
@@ -127,7 +127,7 @@ static FORGETFUL: Library = Library::of::<Forgetful>(PACKAGE);
 #[test]
 fn hidden_state_that_is_not_written_is_found() {
     let found = a_saved_state_goes_on_bit_for_bit(&FORGETFUL).expect_err("one mistake");
-    assert_eq!(found.0, ["a unit read from bytes goes on otherwise: `Serialize` leaves something out"]);
+    assert_eq!(found.0, ["a unit read from bytes gives other results: `Serialize` leaves something out"]);
 }
 
 /// Its outputs change states, and it panics at a large input.
@@ -172,8 +172,8 @@ fn outputs_that_change_a_state_are_found() {
     assert_eq!(
         found.0,
         [
-            "`outputs` changes a state: the unit remembers that `length` had another value",
-            "a second `outputs` changes what the first one left: it must not change a state",
+            "`outputs` changes a state: its result depends on an earlier value of `length`",
+            "calling `outputs` twice gives different values: it must not change a state",
         ]
     );
 }

@@ -29,7 +29,9 @@ fn a_step_begins_where_the_last_one_ended() {
         let importer = Importer::new().started();
         assert_eq!((importer.step(0.0, 0.1), importer.step(point_s, 0.1)), (OK, ERROR));
         assert!(
-            importer.only_message().ends_with(&format!("the step begins at {point_s} s, but the unit stands at 0.1 s"))
+            importer
+                .only_message()
+                .ends_with(&format!("the step begins at {point_s} s, but the time of the unit is 0.1 s"))
         );
     }
 }

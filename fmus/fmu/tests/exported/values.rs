@@ -63,7 +63,10 @@ fn a_value_that_is_not_finite_is_refused_by_name_and_the_old_value_stays() {
         let importer = initializing();
         assert_eq!((importer.set_real(port::SPEED, value), importer.real(port::SPEED)), (DISCARD, 1.0));
         assert_eq!((importer.set_real(port::SPEED, 2.0), importer.exit()), (OK, OK), "the instance goes on");
-        assert_eq!(importer.only_message(), format!("fmi2SetReal: {value} is no value for `speed`; nothing was set"));
+        assert_eq!(
+            importer.only_message(),
+            format!("fmi2SetReal: `speed` cannot be {value}: only finite numbers are accepted; nothing was set")
+        );
     }
 }
 
@@ -74,11 +77,11 @@ fn a_value_outside_its_bounds_is_refused_by_name() {
     assert_eq!((importer.set_real(port::GAIN, 10.5), importer.real(port::GAIN)), (DISCARD, 10.0));
     assert_eq!(
         importer.only_message(),
-        "fmi2SetReal: 10.5 is no value for `gain`, which lies between 0 and 10; nothing was set"
+        "fmi2SetReal: `gain` cannot be 10.5: it must be between 0 and 10; nothing was set"
     );
     let importer = initializing();
     assert_eq!((importer.set_integer(port::COUNT[1], 6), importer.integer(port::COUNT[1])), (DISCARD, 4));
-    assert!(importer.only_message().contains("`count[2]`, which lies between -5 and 5"));
+    assert!(importer.only_message().contains("`count[2]` cannot be 6: it must be between -5 and 5"));
     let importer = initializing();
     assert_eq!((importer.set_integer(port::DEED, 7), importer.integer(port::DEED)), (DISCARD, 1));
     assert!(importer.only_message().contains("`deed` is an enumeration without an item of value 7"));
@@ -96,7 +99,7 @@ fn a_call_with_one_invalid_value_sets_none() {
     importer.messages();
     // SAFETY: a live component, two values.
     assert_eq!(unsafe { fmi::fmi2SetReal(importer.component, ports.as_ptr(), 2, values.as_ptr()) }, ERROR);
-    assert!(importer.only_message().contains("no Real with value reference 99; the unit has 8, from 0"));
+    assert!(importer.only_message().contains("no Real with value reference 99; the unit has 8, counted from 0"));
     assert_eq!(importer.real(port::SPEED), 1.0);
 }
 
