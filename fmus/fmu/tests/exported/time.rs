@@ -41,7 +41,7 @@ fn a_step_has_a_positive_length() {
     for length_s in [0.0, -0.1, f64::NAN, f64::INFINITY] {
         let importer = Importer::new().started();
         assert_eq!(importer.step(0.0, length_s), ERROR);
-        assert!(importer.only_message().contains("its length must be positive"));
+        assert!(importer.only_message().contains("the length of a step must be positive"));
     }
 }
 
