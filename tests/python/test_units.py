@@ -1,6 +1,9 @@
 """Tests of every unit of this repository with FMPy."""
 
+import ctypes
+import gc
 import math
+import re
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -15,6 +18,7 @@ import references
 from instance import Instance
 
 TICKS = 400
+DISCARD = 2
 HELD = {"trajectory": ["setpoint.yaw"]}  # the heading of the flight A to H is along x
 
 
@@ -167,10 +171,100 @@ def test_a_number_that_is_not_finite_is_refused_by_name_and_the_old_one_stays(un
     name = next(n for n in unit.names("input") or unit.names("parameter") if unit.variables[n].type == "Real")
     with Instance(unit) as instance:
         instance.set({name: 0.25})
-        with pytest.raises(FMICallException):
+        with pytest.raises(FMICallException) as refusal:
             instance.set({name: value})
+        assert refusal.value.status == DISCARD
         assert instance.get([name]) == {name: 0.25}
         assert any(name in message for message in instance.messages)
+        instance.initialize()
+        instance.step(0.0, unit.step)
+
+
+def test_unloading_a_unit_leaves_no_memory(unit):
+    """200 cycles as a parameter study in FMPy makes; without the unit's own part a cycle of FMPy leaves nothing either."""
+    def cycles(number):
+        for _ in range(number):
+            with Instance(unit) as instance:
+                instance.initialize()
+                instance.step(0.0, unit.step)
+        gc.collect()
+
+    cycles(20)
+    before = heap_in_use()
+    cycles(200)
+    assert heap_in_use() - before < 200 * 200, "bytes after 200 cycles"
+
+
+def heap_in_use():
+    """Bytes that the C library's allocator has given out, by glibc's `mallinfo2`."""
+    names = "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost".split()
+    information = type("mallinfo2", (ctypes.Structure,), {"_fields_": [(name, ctypes.c_size_t) for name in names]})
+    mallinfo2 = ctypes.CDLL(None).mallinfo2
+    mallinfo2.restype = information
+    found = mallinfo2()
+    return found.uordblks + found.hblkhd
+
+
+def test_a_unit_says_who_made_it_and_when(unit):
+    description = unit.description
+    assert (description.author, description.license) == ("The Lockstep developers", "MIT OR Apache-2.0")
+    assert description.copyright == "Copyright The Lockstep developers"
+    assert description.generationDateAndTime == "1980-01-01T00:00:00Z"
+
+
+def test_thrust_follows_the_effectiveness_of_the_rotors_between_steps(archives):
+    with Instance(archives["quadcopter"]) as quad:
+        quad.initialize({"airborne": True})
+        quad.step(0.0, 0.005)
+        before = quad.get(["thrust", "state.position.z"])
+        quad.set({f"effectiveness[{rotor}]": 0.0 for rotor in range(1, 5)})
+        assert before["thrust"] > 1.0
+        assert quad.get(["thrust", "state.position.z"]) == {"thrust": 0.0, "state.position.z": before["state.position.z"]}
+
+
+def test_the_wind_follows_its_mean_between_steps(archives):
+    with Instance(archives["wind"]) as wind:
+        wind.initialize({"mean.x": 3.0})
+        wind.step(0.0, 0.01)
+        wind.set({"mean.x": 5.0, "mean.y": 12.0})
+        assert wind.get(["speed"]) == {"speed": 13.0}
+
+
+def test_turbulence_at_the_ground_is_the_same_at_every_communication_step(archives):
+    """The inner steps of 2.5 ms are the same too, so that all bits are."""
+    def flight(step):
+        with Instance(archives["quadcopter"]) as quad:
+            quad.initialize({"seed": 7, "ground_turbulence": 0.3} | {f"rotor_speed[{rotor}]": 250.0 for rotor in range(1, 5)})
+            for k in range(round(0.4 / step)):
+                quad.step(k * step, step)
+            return quad.get(archives["quadcopter"].names("output"))
+
+    flights = [flight(step) for step in (0.0025, 0.005, 0.01, 0.02, 0.1)]
+    assert flights[0]["height"] > 0.0
+    assert flights[1:] == flights[:1] * 4
+
+
+def test_a_state_that_is_not_finite_ends_with_a_fault_that_names_it(archives):
+    with Instance(archives["quadcopter"]) as quad:
+        quad.initialize({"airborne": True, "position0.z": 50.0})
+        quad.set({"wind.x": 1e5})
+        with pytest.raises(FMICallException):
+            for k in range(1000):
+                quad.step(k * 0.005, 0.005)
+        said = quad.messages[-1]
+        assert re.search(r"the state cannot be computed: number \d of the [a-z ]+ became (NaN|inf|-inf)$", said), said
+
+
+def test_events_are_logged_where_they_are_wanted(archives):
+    with Instance(archives["quadcopter"], logging=True) as quad:
+        quad.initialize({f"rotor_speed[{rotor}]": 300.0 for rotor in range(1, 5)})
+        for k in range(200):
+            quad.step(k * 0.005, 0.005)
+        assert sum("leaves the ground at" in message for message in quad.messages) == 1, quad.messages
+    with Instance(archives["trajectory"], logging=True) as flight:
+        flight.initialize()
+        flight.step(0.0, 13.0)
+        assert flight.messages == ["leg 2 begins at 13 s"]
 
 
 def test_an_undeclared_variable_is_an_error_with_a_message(unit):

@@ -1,5 +1,6 @@
 //! Runs the `lockstep` program as a user does, and locates it and the repository.
 
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
@@ -23,6 +24,12 @@ pub fn lockstep() -> PathBuf {
     let found = binary.filter(|path| path.is_file());
     assert!(found.is_some(), "lockstep is not built: cargo build --release");
     found.unwrap_or_default()
+}
+
+/// Where tests let cargo build units outside of the repository, in the place of the user's own cache.
+#[must_use]
+pub fn unit_builds() -> PathBuf {
+    lockstep().parent().and_then(Path::parent).map(|target| target.join("tests-cache")).unwrap_or_default()
 }
 
 /// The names in a folder, sorted.
@@ -64,6 +71,8 @@ impl From<Output> for Said {
 #[must_use]
 pub fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(lockstep());
+    // As where it is installed: hints show how the program was started.
+    command.arg0("lockstep");
     command.args(arguments).current_dir(folder).stdin(Stdio::null());
     command
 }

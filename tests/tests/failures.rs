@@ -3,7 +3,7 @@
 
 use std::path::Path;
 use tests::foreign::Foreign;
-use tests::program::{PLACEMENTS, Said, run};
+use tests::program::{PLACEMENTS, Said, repository, run};
 
 const SCRIPT: &str = "scenario \"A unit misbehaves\"\nstep 100 ms\nstop 1 s\n\
                       fmu rogue = \"foreign.fmu\" { enabled = false }\n\
@@ -157,6 +157,27 @@ fn a_value_that_is_nan_is_named_with_its_variable() {
         let (_folder, said) = misbehaving("STEP", "NOT_A_NUMBER", placement);
         assert_eq!(said.code, Some(3), "{}", said.err);
         assert!(said.err.contains("error: `rogue`: `y` is NaN at 0.6 s"), "{}", said.err);
+    }
+}
+
+#[test]
+fn a_value_that_a_unit_of_ours_refuses_ends_the_run_with_the_units_own_message() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = "scenario \"A rotor better than new\"\nstep 10 ms\nstop 2 s\n\
+                  fmu quad = \"quadcopter\" { airborne = true, position0.z = 10 m }\n\
+                  let rest = 0.5 + time / 1 s\nrest -> quad.effectiveness[1]\n";
+    let path = folder.path().join("rotor.scn");
+    std::fs::write(&path, script).unwrap();
+    for placement in PLACEMENTS {
+        let out = folder.path().join(format!("out{}", placement.len()));
+        let arguments = ["run", path.to_str().unwrap(), "--out", out.to_str().unwrap()];
+        let said = run(&repository(), &[&arguments, placement].concat());
+        assert_eq!(said.code, Some(3));
+        let discarded = "0.51 s  quad  discard  fmi2SetReal: 1.01 is no value for `effectiveness[1]`, which lies between 0 and 1; \
+                         nothing was set\nerror: `quad`: fmi2SetReal returned fmi2Discard at 0.51 s\n";
+        assert!(said.err.contains(discarded), "{}", said.err);
+        let trace = std::fs::read_to_string(out.join("trace.csv")).unwrap();
+        assert_eq!(trace.lines().count(), 1 + 52, "the rows up to 0.51 s are kept");
     }
 }
 

@@ -21,6 +21,7 @@ fn pack(folder: &Path, unit: &str) -> PathBuf {
         Command::new(lockstep()).args(["pack", unit]).current_dir(folder).env_remove("CARGO_TARGET_DIR").output();
     let said = Said::from(packing.unwrap());
     assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(!said.err.contains("glibc"), "our units load where glibc is 2.28: {}", said.err);
     folder.join("target/fmus").join(unit).with_extension("fmu")
 }
 

@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use tests::program::{Said, lockstep, repository, run};
+use tests::program::{Said, lockstep, repository, run, unit_builds};
 
 /// The text below a heading, up to the next one.
 fn section(heading: &str) -> String {
@@ -29,6 +29,7 @@ fn typed(line: &str, folder: &PathBuf) -> Said {
     let mut shell = Command::new("sh");
     shell.args(["-e", "-c", line]).current_dir(folder).stdin(Stdio::null());
     shell.env("PATH", std::env::join_paths(programs).unwrap()).env_remove("CARGO_TARGET_DIR");
+    shell.env("XDG_CACHE_HOME", unit_builds());
     shell.output().unwrap().into()
 }
 
@@ -45,6 +46,7 @@ fn the_first_unit_and_script_in_five_minutes_work_outside_the_repository() {
         let said = typed(line, &folder);
         assert_eq!(said.code, Some(0), "{line}\n{}{}", said.out, said.err);
     }
+    assert_eq!(folder, home.path().join("my_units"));
     let archive = folder.join("target/fmus/my_lag.fmu");
     assert!(fs::read(&archive).is_ok_and(|bytes| bytes.starts_with(b"PK")), "{}", archive.display());
     assert!(folder.join("runs/my_lag/plot.svg").is_file());
@@ -63,6 +65,23 @@ fn the_readme_is_correct_about_isolated_and_continued_runs() {
         .map(|run| fs::read_to_string(repository().join("runs").join(run).join("trace.csv")).unwrap());
     let later = continued.split_once('\n').unwrap().1;
     assert!(later.lines().count() == 8800 && whole.ends_with(later));
+}
+
+#[test]
+fn what_the_comparison_with_other_tools_names_as_shown_exists() {
+    let page = fs::read_to_string(repository().join("docs/compare.md")).unwrap();
+    let shown = page.split_once("\n## What shows the statements").unwrap().1.split("\n## ").next().unwrap();
+    let quoted: Vec<_> = shown.split('`').skip(1).step_by(2).map(|text| text.replace('\n', "")).collect();
+    let files: Vec<_> = quoted.iter().filter(|text| text.ends_with(".rs") || text.ends_with(".py")).collect();
+    let texts: Vec<_> =
+        files.iter().map(|file| fs::read_to_string(repository().join(file)).unwrap_or_default()).collect();
+    assert!(files.len() > 15 && texts.iter().all(|text| !text.is_empty()), "{files:?}");
+    let is_function = |text: &&String| text.chars().all(|letter| letter == '_' || letter.is_ascii_alphanumeric());
+    for function in quoted.iter().filter(is_function) {
+        let defined = [format!("fn {function}("), format!("def {function}(")];
+        let found = texts.iter().any(|text| defined.iter().any(|definition| text.contains(definition)));
+        assert!(found, "`{function}` is in none of {files:?}");
+    }
 }
 
 #[test]

@@ -201,7 +201,7 @@ impl Scope<'_, '_> {
             let near = nearest(&written, items.iter().map(|item| item.name.as_str()));
             Some(match near {
                 Some(near) => {
-                    let help = format!("did you mean \"{near}\"?");
+                    let help = format!("did you mean \"{near}\"? Its items are {}", scope.items(port));
                     Remedy { help, ..Remedy::meant(&format!("\"{near}\""), span) }
                 }
                 None => Remedy::from(format!("its items are {}", scope.items(port))),

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::scope::Scope;
 use super::wire::Wired;
 use crate::diagnostic::{Diagnostic, Edit};
+use fmi2::description::Initial;
 
 /// One unit waits for another because of a connection statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -58,7 +59,7 @@ impl Scope<'_, '_> {
         let names: Vec<_> =
             circle.iter().map(|edge| name(edge.from)).chain(circle.first().map(|edge| name(edge.from))).collect();
         let message = format!("these connections wait for each other within one step: {}", names.join(" => "));
-        let Some(usual) = circle.iter().find(|edge| self.holds_its_outputs(edge.from)).or(circle.first()) else {
+        let Some(usual) = circle.iter().find(|edge| self.shows_its_state(edge.from)).or(circle.first()) else {
             unreachable!("a circle has an edge");
         };
         let wire = &self.script.wires[usual.wire].part;
@@ -79,10 +80,18 @@ impl Scope<'_, '_> {
         error.help(help).fix(text, [Edit::new(wire.arrow_span, "->")])
     }
 
-    /// Whether no output depends directly on an input, as with a plant whose outputs are its state.
-    fn holds_its_outputs(&self, instance: usize) -> bool {
-        let outputs = &self.known(instance).structure.outputs;
-        !outputs.is_empty() && outputs.iter().all(|output| output.dependencies.as_ref().is_some_and(Vec::is_empty))
+    /// Whether an output is a state, as with a plant: it depends on no input at its own instant and starts at a value that the
+    /// user gives. A sampled controller, whose outputs depend on no input at their own instant either, starts at none.
+    fn shows_its_state(&self, instance: usize) -> bool {
+        let unit = self.known(instance);
+        let starts_at_a_value = |output: usize| match unit.initial_unknown(output) {
+            Some(unknown) => unknown.dependencies.as_ref().is_none_or(|known| !known.is_empty()),
+            None => unit.variables.get(output).is_some_and(|variable| variable.initial == Some(Initial::Exact)),
+        };
+        unit.structure
+            .outputs
+            .iter()
+            .any(|output| output.dependencies.as_ref().is_some_and(Vec::is_empty) && starts_at_a_value(output.index))
     }
 }
 

@@ -33,7 +33,7 @@ fn scripts_in(folder: &str) -> Vec<(PathBuf, String)> {
 fn good_scripts() -> &'static [(PathBuf, String)] {
     static SCRIPTS: OnceLock<Vec<(PathBuf, String)>> = OnceLock::new();
     SCRIPTS.get_or_init(|| {
-        let folders = ["corpus/parse", "../scenarios", "../orchestrator/src/cli/new"];
+        let folders = ["corpus/parse", "../scenarios", "../fmus/pack/src/new_unit"];
         let scripts = folders.iter().flat_map(|folder| scripts_in(folder));
         scripts.filter(|(_, text)| formatted(text).is_some()).collect()
     })
@@ -73,7 +73,7 @@ fn no_script_changes_its_meaning_or_changes_twice() {
 
 #[test]
 fn the_scripts_that_users_read_first_have_the_style() {
-    for (file, script) in ["../scenarios", "../orchestrator/src/cli/new"].into_iter().flat_map(scripts_in) {
+    for (file, script) in ["../scenarios", "../fmus/pack/src/new_unit"].into_iter().flat_map(scripts_in) {
         assert_eq!(formatted(&script), Some(script), "{}: lockstep fmt", file.display());
     }
 }

@@ -57,7 +57,7 @@ fn an_item_that_an_enumeration_lacks_names_the_nearest() {
     7 | "hovr" -> ctrl.mode
       | ^^^^^^
       |
-      = help: did you mean "hover"?
+      = help: did you mean "hover"? Its items are `idle`, `hover` and `land`
 
     error[E34]: `ctrl.now` has no item `fly`
      --> test.scn:8:30

@@ -324,6 +324,7 @@ pub fn settable(state: State, causality: Causality, variability: Variability, in
 /// of
 /// `fmi2GetStatus` for a step in progress.
 #[must_use]
+#[inline]
 pub fn next(state: State, call: Call, status: Status) -> State {
     match (call, status) {
         (_, Status::Fatal) => State::Fatal,

@@ -4,7 +4,7 @@ use crate::doc::{first_paragraph, snake_case};
 use crate::field::{collect, undescribed};
 use proc_macro2::TokenStream;
 use quote::quote;
-use syn::{Data, DeriveInput, Error, Expr, ExprLit, Fields, Lit, Result, Variant};
+use syn::{Data, DataEnum, DeriveInput, Error, Expr, ExprLit, Fields, Lit, Result, Variant};
 
 /// `impl FmiEnum` and `impl Port` for an enum.
 pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
@@ -22,10 +22,7 @@ pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
     }))?;
     let ident = &input.ident;
     let (name, description) = (ident.to_string(), first_paragraph(&input.attrs));
-    let undescribed_items = data.variants.iter().filter(|variant| first_paragraph(&variant.attrs).is_empty());
-    let own = description.is_empty().then(|| undescribed(ident));
-    let errors = own.into_iter().chain(undescribed_items.map(|variant| undescribed(&variant.ident)));
-    collect(errors.map(Err::<(), _>))?;
+    check_descriptions(input, data)?;
     let variants: Vec<_> = data.variants.iter().map(|variant| &variant.ident).collect();
     let items = data.variants.iter().zip(&values).map(|(variant, value)| {
         let (item, description) = (snake_case(&variant.ident.to_string()), first_paragraph(&variant.attrs));
@@ -70,6 +67,14 @@ pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
             }
         }
     })
+}
+
+/// Reports the enumeration and each item that has no doc comment.
+fn check_descriptions(input: &DeriveInput, data: &DataEnum) -> Result<()> {
+    let items = data.variants.iter().map(|variant| (&variant.ident, &variant.attrs));
+    let all = std::iter::once((&input.ident, &input.attrs)).chain(items);
+    let without = all.filter(|(_, attributes)| first_paragraph(attributes).is_empty());
+    collect(without.map(|(ident, _)| Err::<(), _>(undescribed(ident)))).map(drop)
 }
 
 /// The value of a variant: its discriminant, or one more than the previous value.

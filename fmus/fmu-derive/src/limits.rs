@@ -7,7 +7,6 @@ use syn::{Error, Expr, ExprLit, ExprRepeat, ExprUnary, Lit, Result, UnOp};
 /// Reports a number of the start value that lies outside `min` and `max`. What is not written as a number is checked by the
 /// tests that every unit has.
 pub fn check(port: &PortAttribute) -> Result<()> {
-    let Some(start) = port.start.as_ref().or(port.exact.as_ref().and_then(Option::as_ref)) else { return Ok(()) };
     let limit = |limit: &Option<Expr>| limit.as_ref().and_then(number);
     let (min, max) = (limit(&port.min), limit(&port.max));
     if let (Some(min), Some(max), Some(written)) = (min, max, &port.max)
@@ -15,7 +14,8 @@ pub fn check(port: &PortAttribute) -> Result<()> {
     {
         return Err(Error::new(written.span(), format!("`max` is below `min`, which is {min}")));
     }
-    for (value, expression) in numbers(start) {
+    let start = port.start.as_ref().or(port.exact.as_ref().and_then(Option::as_ref));
+    for (value, expression) in start.map(numbers).unwrap_or_default() {
         let message = match (min, max) {
             (Some(min), _) if value < min => format!("the start value {value} is below `min`, which is {min}"),
             (_, Some(max)) if value > max => format!("the start value {value} is above `max`, which is {max}"),

@@ -5,19 +5,17 @@
 #![allow(unsafe_code, reason = "scalars are reached through offsets, one table look-up each")]
 
 use crate::describe::Described;
-use crate::library::{Library, Unit};
-use crate::model::{Context, Fault, Outcome};
+use crate::library::{Library, SharedDescription, Unit};
+use crate::model::{Context, Fault};
 use crate::port::FmiEnum;
 use crate::slots::{IntegerAccess, Slots};
-use crate::step::Step;
 use crate::visitor::EnumerationAccess;
-use std::sync::Arc;
 
 /// A unit at a fixed address in memory, with the table of its scalars.
 pub(crate) struct Body {
     /// From `Box::into_raw`; freed in `drop`.
     unit: *mut dyn Unit,
-    described: Arc<Described>,
+    described: SharedDescription,
 }
 
 impl Body {
@@ -29,7 +27,7 @@ impl Body {
         Self { unit: Box::into_raw(unit), described }
     }
 
-    pub(crate) fn described(&self) -> &Arc<Described> {
+    pub(crate) fn described(&self) -> &Described {
         &self.described
     }
 
@@ -42,16 +40,6 @@ impl Body {
     pub(crate) fn init(&mut self, context: &mut Context) -> Result<(), Fault> {
         self.unit_mut().init(context)?;
         self.outputs(context.start_s)
-    }
-
-    /// Makes a step and computes the outputs at the time up to which it was made.
-    pub(crate) fn step(&mut self, step: Step, context: &mut Context) -> Result<Outcome, Fault> {
-        let outcome = self.unit_mut().step(step, context)?;
-        match outcome {
-            Outcome::Done => self.outputs(step.end_s())?,
-            Outcome::AcceptedUntil(time_s) | Outcome::Terminated(time_s) => self.outputs(time_s)?,
-        }
-        Ok(outcome)
     }
 
     /// Computes the outputs and checks that they are finite.

@@ -175,28 +175,28 @@ impl Instance {
         self.check_stop(&step)?;
         let mut context = self.context();
         self.progress.stale = false;
-        let outcome = self.body.step(step, &mut context);
+        let outcome = self.body.unit_mut().step(step, &mut context);
         let status = self.send_messages(context);
+        let failed = |fault| Refusal::Step { start_s: step.start_s(), length_s, fault };
+        let outcome = outcome.map_err(failed)?;
         let (start_s, end_s) = (step.start_s(), step.end_s());
+        self.progress.now = match outcome {
+            Outcome::Done => start.plus(length),
+            Outcome::AcceptedUntil(found_s) | Outcome::Terminated(found_s) if (start_s..=end_s).contains(&found_s) => {
+                Time::from_s(found_s)
+            }
+            Outcome::AcceptedUntil(found_s) | Outcome::Terminated(found_s) => {
+                return Err(Refusal::OutsideStep { start_s, end_s, found_s });
+            }
+        };
+        self.body.outputs(self.progress.now.as_s()).map_err(failed)?;
         match outcome {
-            Ok(Outcome::Done) => {
-                self.progress.now = start.plus(length);
-                Ok(status)
-            }
-            Ok(Outcome::AcceptedUntil(found_s) | Outcome::Terminated(found_s))
-                if !(start_s <= found_s && found_s <= end_s) =>
-            {
-                Err(Refusal::OutsideStep { start_s, end_s, found_s })
-            }
-            Ok(Outcome::AcceptedUntil(until_s)) => {
-                self.progress.now = Time::from_s(until_s);
-                Err(Refusal::Discarded { start_s, end_s, until_s })
-            }
-            Ok(Outcome::Terminated(at_s)) => {
-                (self.progress.now, self.progress.ended) = (Time::from_s(at_s), true);
+            Outcome::Done => Ok(status),
+            Outcome::AcceptedUntil(until_s) => Err(Refusal::Discarded { start_s, end_s, until_s }),
+            Outcome::Terminated(at_s) => {
+                self.progress.ended = true;
                 Err(Refusal::Ended { at_s })
             }
-            Err(fault) => Err(Refusal::Step { start_s, length_s, fault }),
         }
     }
 

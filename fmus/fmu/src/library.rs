@@ -5,6 +5,7 @@ use crate::model::{Context, Fault, Model, Outcome};
 use crate::step::Step;
 use crate::visitor::{Scalar, Visitor};
 use std::any::Any;
+use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// Cargo metadata of the unit's crate; [`export!`](crate::export) fills it in.
@@ -52,13 +53,14 @@ impl Library {
     }
 
     /// Everything that follows from the declarations.
-    pub(crate) fn described(&self) -> Arc<Described> {
+    pub(crate) fn described(&'static self) -> SharedDescription {
         let mut known = self.described.lock().unwrap_or_else(PoisonError::into_inner);
-        known.upgrade().unwrap_or_else(|| {
+        let described = known.upgrade().unwrap_or_else(|| {
             let described = Arc::new((self.describe)(&self.package));
             *known = Arc::downgrade(&described);
             described
-        })
+        });
+        SharedDescription { described, _release: Release(self) }
     }
 
     /// The scalars of the unit, in the order of its description.
@@ -68,8 +70,38 @@ impl Library {
 
     /// `modelDescription.xml`.
     #[must_use]
-    pub fn xml(&self) -> String {
+    pub fn xml(&'static self) -> String {
         self.described().xml.clone()
+    }
+}
+
+/// A description that is shared by all who hold it.
+#[derive(Debug)]
+pub(crate) struct SharedDescription {
+    // Dropped in this order.
+    described: Arc<Described>,
+    _release: Release,
+}
+
+impl Deref for SharedDescription {
+    type Target = Described;
+
+    #[inline]
+    fn deref(&self) -> &Described {
+        &self.described
+    }
+}
+
+/// Gives up the memory of a description that nobody holds any more: a `Weak` alone would keep its place.
+#[derive(Debug)]
+struct Release(&'static Library);
+
+impl Drop for Release {
+    fn drop(&mut self) {
+        let mut known = self.0.described.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.strong_count() == 0 {
+            *known = Weak::new();
+        }
     }
 }
 

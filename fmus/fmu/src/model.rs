@@ -1,7 +1,7 @@
 //! The trait that a unit's author implements: how the unit starts and how it steps.
 
 use crate::declaration::Ports;
-use crate::step::{Samples, Step, due};
+use crate::step::{Step, due};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fmt;
@@ -41,6 +41,10 @@ pub trait Model: Ports + Clone + Serialize + DeserializeOwned + Send + 'static {
         Ok(())
     }
 }
+
+/// The number of samples before the start of a run that are drawn, so that a late start does not hang: with samples of 10 ms
+/// a start after 27 hours.
+const MOST_PAST_SAMPLES: u64 = 10_000_000;
 
 /// Result of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,10 +93,20 @@ impl Context {
         self.start_s
     }
 
-    /// The numbers of the samples that are due up to the start of the run, always including number 0.
-    #[must_use]
-    pub fn samples(&self, period_s: f64) -> Samples {
-        0..due(self.start_s, period_s)
+    /// How many samples after number 0 are due up to the start of the run.
+    ///
+    /// # Errors
+    ///
+    /// A [`Fault`] if they are more than can be drawn in reasonable time.
+    pub fn past_samples(&self, period_s: f64) -> Result<u64, Fault> {
+        let past = due(self.start_s, period_s).saturating_sub(1);
+        if past <= MOST_PAST_SAMPLES {
+            return Ok(past);
+        }
+        let start_s = self.start_s;
+        Err(Fault::new(format!(
+            "a run that starts at {start_s} s comes after {past} samples of {period_s} s, and at most {MOST_PAST_SAMPLES} are drawn"
+        )))
     }
 
     /// Warns the user; the call in progress returns `fmi2Warning`.

@@ -3,17 +3,19 @@
 //! One build of the dependencies serves all units of a user: the folder of builds, the profile and the compiler flags do
 //! not depend on the unit. [`cargo_settings`] gives the same to `cargo test`.
 
-use crate::{PackError, UnitCrate};
+use crate::{PackError, Say, UnitCrate};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// The profile of units, in the place of cargo's `dev`, so that `cargo test` can share its dependencies.
 /// Panics must unwind, because the export layer converts them to `fmi2Error`.
-const PROFILE: [(&str, &str); 10] = [
+const PROFILE: [(&str, &str); 11] = [
     ("opt-level", "3"),
-    // It describes the unit, once for each instance: it need not be fast, and compiles in half the time.
-    ("package.fmi2.opt-level", "1"),
+    // Half of the build's time are these two. The first describes the unit, once for its first instance; of the second the
+    // generic code, which is compiled where it is used, is what counts.
+    ("package.fmi2.opt-level", "0"),
+    ("package.nalgebra.codegen-units", "16"),
     ("debug", "false"),
     ("strip", "true"),
     ("lto", "\"off\""),
@@ -39,7 +41,7 @@ struct MetadataPackage {
     source: Option<String>,
 }
 
-/// A unit's library that cargo has built. Until this value is dropped, no other program builds in its folder.
+/// A unit's library that cargo has built. Until this value is dropped, no other Lockstep builds in its folder.
 pub(crate) struct Built {
     /// The library.
     pub library: PathBuf,
@@ -53,13 +55,14 @@ fn cargo() -> Command {
 }
 
 /// Builds the unit's library. cargo's progress goes to standard error.
-pub(crate) fn build(unit: &UnitCrate) -> Result<Built, PackError> {
+pub(crate) fn build(unit: &UnitCrate, say: Say<'_>) -> Result<Built, PackError> {
     let metadata = metadata(unit)?;
     let target = build_folder(unit, &metadata.packages);
     let folder = target.join(PROFILE_FOLDER);
-    let lock = lock(&target)?;
+    let lock = lock(&target, say)?;
     let library = folder.join(library_file(&unit.identifier()));
-    claim(unit, &folder, &library)?;
+    let owner = Owner { file: folder.join(format!("{}.unit", unit.identifier())), unit: &unit.folder };
+    owner.remove_what_others_left(&library)?;
     let mut command = cargo();
     command.args(["build", "--lib", "--manifest-path"]).arg(unit.folder.join("Cargo.toml"));
     for (key, value) in PROFILE {
@@ -75,40 +78,66 @@ pub(crate) fn build(unit: &UnitCrate) -> Result<Built, PackError> {
     if !library.is_file() {
         return Err(PackError::NoLibrary { unit: unit.name.clone() });
     }
+    owner.note(&library)?;
     Ok(Built { library, sources: folder.join(format!("lib{}.d", unit.identifier())), _lock: lock })
 }
 
-/// Waits until no other program builds units in this folder. cargo has a lock of its own, but frees it before the library
-/// is read.
-fn lock(target: &Path) -> Result<std::fs::File, PackError> {
+/// Waits until no other Lockstep builds units in this folder. cargo has a lock of its own, but frees it before the library is
+/// read.
+fn lock(target: &Path, say: Say<'_>) -> Result<std::fs::File, PackError> {
     let path = target.join("lockstep.lock");
     let failed = |source| PackError::File { path: path.clone(), doing: "lock", source };
     std::fs::create_dir_all(target).map_err(failed)?;
     let file = std::fs::File::create(&path).map_err(failed)?;
-    file.lock().map_err(failed)?;
+    if file.try_lock().is_err() {
+        say("waiting for another build of units");
+        file.lock().map_err(failed)?;
+    }
     Ok(file)
 }
 
-/// Removes a library of the same name that another unit left: cargo names a `cdylib` by its crate alone, and would take
-/// that file for the unit's own.
-fn claim(unit: &UnitCrate, folder: &Path, library: &Path) -> Result<(), PackError> {
-    let owner = folder.join(format!("{}.unit", unit.identifier()));
-    let own = unit.folder.to_string_lossy();
-    if std::fs::read(&owner).is_ok_and(|written| written == own.as_bytes()) {
-        return Ok(());
+/// The note beside a library that says which unit it was built from. cargo names a `cdylib` by its crate alone: it would take
+/// the library of another unit of the same name for the unit's own.
+struct Owner<'a> {
+    file: PathBuf,
+    unit: &'a Path,
+}
+
+impl Owner<'_> {
+    /// The unit's folder with the size and time of the library.
+    fn text(&self, library: &Path) -> Option<String> {
+        let metadata = std::fs::metadata(library).ok()?;
+        let modified = metadata.modified().ok()?.duration_since(std::time::UNIX_EPOCH).ok()?;
+        Some(format!("{}\n{} bytes\n{} ns\n", self.unit.display(), metadata.len(), modified.as_nanos()))
     }
-    let built = folder.join("deps").join(library_file(&unit.identifier()));
-    for file in [library, &built] {
-        match std::fs::remove_file(file) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(PackError::File { path: file.to_path_buf(), doing: "replace", source: error });
-            }
-            _ => {}
+
+    /// Removes the library, so that cargo builds it anew, unless the note says that it is this unit's and was left as it is.
+    fn remove_what_others_left(&self, library: &Path) -> Result<(), PackError> {
+        let noted = std::fs::read_to_string(&self.file).ok();
+        if noted.is_some() && noted == self.text(library) {
+            return Ok(());
         }
+        let name = library.file_name().unwrap_or_default();
+        let built = library.parent().map(|folder| folder.join("deps").join(name));
+        for file in [Some(library.to_path_buf()), built].into_iter().flatten() {
+            match std::fs::remove_file(&file) {
+                Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(PackError::File { path: file, doing: "replace", source });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
-    let failed = |source| PackError::File { path: owner.clone(), doing: "write", source };
-    std::fs::create_dir_all(folder).map_err(failed)?;
-    std::fs::write(&owner, own.as_bytes()).map_err(failed)
+
+    fn note(&self, library: &Path) -> Result<(), PackError> {
+        let text = self.text(library).unwrap_or_default();
+        std::fs::write(&self.file, text).map_err(|source| PackError::File {
+            path: self.file.clone(),
+            doing: "write",
+            source,
+        })
+    }
 }
 
 fn library_file(identifier: &str) -> String {
@@ -117,23 +146,33 @@ fn library_file(identifier: &str) -> String {
 
 /// The settings of cargo, `.cargo/config.toml`, with which `cargo test` of a unit shares the dependencies that
 /// [`pack`](crate::pack()) has built.
-///
-/// # Errors
-/// If cargo cannot be started or cannot read the unit's manifest.
-pub fn cargo_settings(unit: &UnitCrate) -> Result<String, PackError> {
+pub(crate) fn cargo_settings(unit: &UnitCrate) -> Result<String, PackError> {
     let metadata = metadata(unit)?;
-    let quoted = |text: &str| format!("{text:?}");
-    let flags: Vec<_> = flags(unit, &metadata.packages).iter().map(|flag| format!("    {},\n", quoted(flag))).collect();
+    let flags = flags(unit, &metadata.packages);
+    let flags: Vec<_> = flags.iter().map(|flag| format!("    {},\n", toml_text(flag))).collect();
     let target = build_folder(unit, &metadata.packages);
     let profile: Vec<_> = PROFILE.iter().map(|(key, value)| format!("{key} = {value}\n")).collect();
     Ok(format!(
         "# One build of the dependencies serves `cargo test`, `lockstep run` and `lockstep pack` of all units.\n\
          # These are paths of this machine: keep the file out of version control.\n\
          [build]\ntarget-dir = {}\nrustflags = [\n{}]\n\n[profile.dev]\n{}",
-        quoted(&target.to_string_lossy()),
+        toml_text(&target.to_string_lossy()),
         flags.concat(),
         profile.concat()
     ))
+}
+
+/// A text in TOML, with its quotes.
+pub(crate) fn toml_text(text: &str) -> String {
+    let mut quoted = String::from('"');
+    for letter in text.chars() {
+        match letter {
+            '"' | '\\' => quoted.extend(['\\', letter]),
+            letter if letter.is_control() => quoted.push_str(&format!("\\u{:04X}", u32::from(letter))),
+            letter => quoted.push(letter),
+        }
+    }
+    quoted + "\""
 }
 
 fn metadata(unit: &UnitCrate) -> Result<Metadata, PackError> {
@@ -153,10 +192,14 @@ fn build_folder(unit: &UnitCrate, packages: &[MetadataPackage]) -> PathBuf {
     let of_workspace = packages.iter().any(|package| {
         package.name == "fmu" && package.source.is_none() && package.manifest_path.starts_with(&unit.workspace)
     });
-    let not_empty = |name: &str| std::env::var_os(name).filter(|folder| !folder.is_empty()).map(PathBuf::from);
-    let cache = || not_empty("XDG_CACHE_HOME").or_else(|| Some(not_empty("HOME")?.join(".cache")));
-    let shared = if of_workspace || not_empty("CARGO_TARGET_DIR").is_some() { None } else { cache() };
+    let cache = || folder_in("XDG_CACHE_HOME").or_else(|| Some(folder_in("HOME")?.join(".cache")));
+    let shared = if of_workspace || folder_in("CARGO_TARGET_DIR").is_some() { None } else { cache() };
     shared.map_or_else(|| unit.target_folder().join("units"), |cache| cache.join("lockstep/units"))
+}
+
+/// The folder that an environment variable names, if any.
+pub(crate) fn folder_in(variable: &str) -> Option<PathBuf> {
+    std::env::var_os(variable).filter(|folder| !folder.is_empty()).map(PathBuf::from)
 }
 
 /// Compiler flags that keep this machine's paths out of the library. They do not depend on the unit: cargo passes the
@@ -199,6 +242,14 @@ fn remaps(workspace: &Path, packages: &[MetadataPackage]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_toml_text_is_read_as_it_was() {
+        for text in ["plain", r#"a "b" \c"#, "a\u{301}\t", "\u{7f}"] {
+            let table: toml::Table = toml::from_str(&format!("key = {}", toml_text(text))).unwrap();
+            assert_eq!(table["key"].as_str(), Some(text));
+        }
+    }
 
     #[test]
     fn folders_of_sources_are_remapped() {

@@ -30,7 +30,7 @@ pub enum PackError {
         /// The unit.
         unit: String,
     },
-    /// cargo did not report the path of the library.
+    /// cargo left no library where it is expected.
     NoLibrary {
         /// The unit.
         unit: String,
@@ -41,6 +41,20 @@ pub enum PackError {
         unit: String,
         /// Why.
         reason: String,
+    },
+    /// The library cannot be examined.
+    Library {
+        /// The unit.
+        unit: String,
+        /// Why.
+        reason: String,
+    },
+    /// A new unit cannot be written.
+    NewUnit {
+        /// Why.
+        message: String,
+        /// What the user can do about it, if anything.
+        help: Option<String>,
     },
     /// The description breaks rules of the standard.
     Rules {
@@ -71,6 +85,8 @@ impl fmt::Display for PackError {
                 write!(f, "unit `{unit}` built no library: its Cargo.toml needs `[lib] crate-type = [\"cdylib\"]`")
             }
             Self::Describe { unit, reason } => write!(f, "the library of unit `{unit}` gives no description: {reason}"),
+            Self::Library { unit, reason } => write!(f, "the library of unit `{unit}` cannot be examined: {reason}"),
+            Self::NewUnit { message, .. } => f.write_str(message),
             Self::Rules { unit, findings } => {
                 write!(f, "the description of unit `{unit}` breaks rules of FMI 2.0.5:\n{findings}")
             }
@@ -82,10 +98,16 @@ impl fmt::Display for PackError {
 impl PackError {
     /// What the user can do about it, if anything.
     #[must_use]
-    pub fn help(&self) -> Option<&'static str> {
-        matches!(self, Self::NoCargo(_)).then_some(
-            "https://rustup.rs installs Rust, to which cargo belongs; packed units need none: name a folder of .fmu files, --units DIR",
-        )
+    pub fn help(&self) -> Option<String> {
+        match self {
+            Self::NoCargo(_) => Some(
+                "https://rustup.rs installs Rust, to which cargo belongs; packed units need none: name a folder of .fmu \
+                 files, --units DIR"
+                    .to_owned(),
+            ),
+            Self::NewUnit { help, .. } => help.clone(),
+            _ => None,
+        }
     }
 }
 

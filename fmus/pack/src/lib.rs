@@ -1,7 +1,7 @@
-//! Builds a unit crate with cargo and packs it as an `.fmu` file, reproducibly.
+//! Builds a unit crate with cargo and packs it as an `.fmu` file, reproducibly; writes new unit crates.
 //!
 //! ```text
-//! Cargo.toml ─ unit_crate ─▶ build (cargo, profile of our own) ─▶ describe (the caller loads the library) ─▶ archive
+//! new_unit ─▶ Cargo.toml ─ unit_crate ─▶ build (cargo, profile of our own) ─▶ describe (the caller loads the library) ─▶ portability ─▶ archive
 //! ```
 //!
 //! A unit crate is a package with a `[package.metadata.fmu]` table and a `cdylib` target. Two clones at different paths
@@ -18,10 +18,8 @@ mod portability;
 mod stale;
 mod unit_crate;
 
-pub use build::cargo_settings;
 pub use error::PackError;
-pub use new_unit::{NewUnit, Refusal, first_files, new_unit};
-pub use portability::{NewerGlibc, warning};
+pub use new_unit::{NewUnit, new_unit};
 pub use stale::is_stale;
 pub use unit_crate::{UnitCrate, Workspace};
 
@@ -30,13 +28,15 @@ use std::path::Path;
 /// Reads `modelDescription.xml` from a unit's library.
 pub type Describe<'a> = &'a dyn Fn(&Path) -> Result<String, String>;
 
-/// Builds a unit and packs it into `archive`. Returns the functions of glibc because of which it does not load on older
-/// systems.
+/// Tells the user something while a unit is packed: that it waits, or what the unit needs of a system.
+pub type Say<'a> = &'a dyn Fn(&str);
+
+/// Builds a unit and packs it into `archive`.
 ///
 /// # Errors
 /// If cargo, the library's description, a rule of the standard, or writing the file fails.
-pub fn pack(unit: &UnitCrate, describe: Describe<'_>, archive: &Path) -> Result<Vec<NewerGlibc>, PackError> {
-    let built = build::build(unit)?;
+pub fn pack(unit: &UnitCrate, describe: Describe<'_>, archive: &Path, say: Say<'_>) -> Result<(), PackError> {
+    let built = build::build(unit, say)?;
     let library = std::fs::read(&built.library).map_err(|source| PackError::File {
         path: built.library.clone(),
         doing: "read",
@@ -44,8 +44,17 @@ pub fn pack(unit: &UnitCrate, describe: Describe<'_>, archive: &Path) -> Result<
     })?;
     let description =
         describe(&built.library).map_err(|reason| PackError::Describe { unit: unit.name.clone(), reason })?;
+    let newer =
+        portability::newer_glibc(&library).map_err(|reason| PackError::Library { unit: unit.name.clone(), reason })?;
     archive::write(unit, &library, &description, archive)?;
-    let list = stale::source_list(archive);
-    std::fs::copy(&built.sources, &list).map_err(|source| PackError::File { path: list, doing: "write", source })?;
-    portability::newer_glibc(&library).map_err(|reason| PackError::Describe { unit: unit.name.clone(), reason })
+    if archive == unit.archive() {
+        let list = stale::source_list(archive);
+        std::fs::copy(&built.sources, &list).map_err(|source| PackError::File {
+            path: list,
+            doing: "write",
+            source,
+        })?;
+    }
+    portability::warning(&unit.name, &newer).iter().for_each(|warning| say(warning));
+    Ok(())
 }

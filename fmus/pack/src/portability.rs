@@ -1,15 +1,17 @@
 //! Finds the functions of glibc because of which a library does not load on older systems.
 
 use object::elf::SHT_DYNSYM;
-use object::read::elf::{FileHeader, Sym};
+use object::read::elf::{FileHeader, SectionTable, Sym};
 use std::fmt;
 
 /// The version of glibc that every library should load with: that of RHEL 8, older than Debian 11's and Ubuntu 20.04's.
 const CEILING: [u32; 2] = [2, 28];
 
+type Header = object::elf::FileHeader64<object::Endianness>;
+
 /// A function of glibc in a version that came after 2.28.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct NewerGlibc {
+pub(crate) struct NewerGlibc {
     /// The function.
     pub function: String,
     /// The version, for example `2.34`.
@@ -17,12 +19,11 @@ pub struct NewerGlibc {
 }
 
 /// What to tell the user about these functions of a unit's library, if there are any.
-#[must_use]
-pub fn warning(unit: &str, newer: &[NewerGlibc]) -> Option<String> {
+pub(crate) fn warning(unit: &str, newer: &[NewerGlibc]) -> Option<String> {
     let first = newer.first()?;
     let more = if newer.len() > 1 { format!(" and {} more", newer.len() - 1) } else { String::new() };
     Some(format!(
-        "warning: unit `{unit}` calls {first}{more}: it does not load on systems with an older glibc, such as Debian 11, \
+        "warning: unit `{unit}` needs {first}{more}: it does not load on systems with an older glibc, such as Debian 11, \
          Ubuntu 20.04 and RHEL 8, which have at least 2.28"
     ))
 }
@@ -38,7 +39,6 @@ impl fmt::Display for NewerGlibc {
 /// # Errors
 /// What is wrong with the library's tables.
 pub(crate) fn newer_glibc(library: &[u8]) -> Result<Vec<NewerGlibc>, String> {
-    type Header = object::elf::FileHeader64<object::Endianness>;
     let Ok(header) = Header::parse(library) else { return Ok(Vec::new()) };
     let read = || -> object::read::Result<Vec<NewerGlibc>> {
         let endian = header.endian()?;
@@ -54,10 +54,33 @@ pub(crate) fn newer_glibc(library: &[u8]) -> Result<Vec<NewerGlibc>, String> {
                 found.push(NewerGlibc { function, version: version.to_owned() });
             }
         }
+        found.extend(unnamed(endian, library, &sections, &found)?);
         found.sort_by(|a, b| a.function.cmp(&b.function));
         Ok(found)
     };
     read().map_err(|error| format!("its symbol versions cannot be read: {error}"))
+}
+
+/// The newer versions that the library needs without naming a function of them.
+fn unnamed(
+    endian: object::Endianness,
+    library: &[u8],
+    sections: &SectionTable<'_, Header>,
+    named: &[NewerGlibc],
+) -> object::read::Result<Vec<NewerGlibc>> {
+    let mut found = Vec::new();
+    let Some((mut needs, strings_index)) = sections.gnu_verneed(endian, library)? else { return Ok(found) };
+    let strings = sections.strings(endian, library, strings_index)?;
+    while let Some((_, mut versions)) = needs.next()? {
+        while let Some(version) = versions.next()? {
+            let name = String::from_utf8_lossy(version.name(endian, strings)?);
+            let Some(version) = name.strip_prefix("GLIBC_").filter(|version| is_newer(version)) else { continue };
+            if named.iter().all(|known| known.version != version) {
+                found.push(NewerGlibc { function: "the dynamic linker".to_owned(), version: version.to_owned() });
+            }
+        }
+    }
+    Ok(found)
 }
 
 /// Whether a version such as `2.2.5` came after the ceiling. A version without numbers is private to glibc, which promises
@@ -85,7 +108,7 @@ mod tests {
     fn a_warning_names_the_function_and_its_version() {
         let newer = |function: &str| NewerGlibc { function: function.to_owned(), version: "2.34".to_owned() };
         let text = warning("tank", &[newer("closefrom"), newer("open_it")]).unwrap();
-        assert!(text.starts_with("warning: unit `tank` calls `closefrom` of glibc 2.34 and 1 more: it does"), "{text}");
+        assert!(text.starts_with("warning: unit `tank` needs `closefrom` of glibc 2.34 and 1 more: it does"), "{text}");
         assert_eq!(warning("tank", &[]), None);
     }
 

@@ -1,6 +1,7 @@
 //! Unit crates and their workspace, read from `Cargo.toml` files without starting cargo.
 
 use crate::PackError;
+use crate::build::folder_in;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -58,6 +59,7 @@ impl UnitCrate {
     /// # Errors
     /// If there is no `Cargo.toml`, or it has no `[package.metadata.fmu]` table.
     pub fn at(folder: &Path) -> Result<Self, PackError> {
+        let folder = &absolute(folder);
         let manifest = folder.join("Cargo.toml");
         let workspace = workspace_folder(folder)?.unwrap_or_else(|| folder.to_path_buf());
         Self::of(read(&manifest)?, folder, &workspace).ok_or_else(|| PackError::NoUnit {
@@ -78,7 +80,7 @@ impl UnitCrate {
     /// The target folder of builds of this unit: `CARGO_TARGET_DIR`, else `target` in the workspace.
     #[must_use]
     pub fn target_folder(&self) -> PathBuf {
-        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| self.workspace.join("target"), PathBuf::from)
+        folder_in("CARGO_TARGET_DIR").unwrap_or_else(|| self.workspace.join("target"))
     }
 
     /// The default path of the packed unit.
@@ -100,6 +102,7 @@ impl Workspace {
     /// # Errors
     /// If a `Cargo.toml` in the folder or above it cannot be read.
     pub fn around(folder: &Path) -> Result<Option<Self>, PackError> {
+        let folder = &absolute(folder);
         let Some(root) = workspace_folder(folder)? else { return Ok(None) };
         let manifest = read(&root.join("Cargo.toml"))?;
         let members = manifest.workspace.as_ref().map(|table| table.members.clone()).unwrap_or_default();
@@ -114,7 +117,12 @@ impl Workspace {
     }
 }
 
-/// The folder of the workspace's manifest above `folder`: the outermost `[workspace]`, else the nearest package.
+/// The folder by one path, so that two ways to write it are not taken for two folders.
+fn absolute(folder: &Path) -> PathBuf {
+    folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf())
+}
+
+/// The folder of the workspace's manifest above `folder`: the nearest `[workspace]`, else the nearest package.
 pub(crate) fn workspace_folder(folder: &Path) -> Result<Option<PathBuf>, PackError> {
     let mut nearest = None;
     for above in folder.ancestors().filter(|above| above.join("Cargo.toml").is_file()) {

@@ -230,7 +230,7 @@ impl Model for Quadcopter {
         self.plant = State::start(&parameters, self.position0, self.velocity0, self.yaw0, self.airborne);
         let (seed, stream) = (self.seed.unsigned_abs().into(), self.stream.unsigned_abs().into());
         self.turbulence = GroundTurbulence::new(seed, stream);
-        self.turbulence.draw(context.samples(self.sample_time).end.saturating_sub(1), self.sample_time);
+        self.turbulence.draw(context.past_samples(self.sample_time)?, self.sample_time);
         Ok(())
     }
 

@@ -111,7 +111,7 @@ impl Wind {
 
     /// Logs the gusts that begin or end in a step.
     fn log_gusts(&self, step: Step, context: &mut Context) {
-        let in_step = |time_s: f64| step.start_s() < time_s && time_s <= step.end_s();
+        let in_step = |time_s: f64| step.start_s() <= time_s && time_s < step.end_s();
         for (number, gust) in (1..).zip(self.gusts()) {
             if in_step(gust.start) {
                 context.event(|| format!("gust {number} begins at {} s", gust.start));
@@ -128,8 +128,7 @@ impl Model for Wind {
         let (seed, stream) = (self.seed.unsigned_abs().into(), self.stream.unsigned_abs().into());
         let (parameters, inputs) = (self.parameters(), self.inputs());
         self.air = State::start(&parameters, &inputs, seed, stream);
-        let samples = context.samples(self.sample_time);
-        self.air.draw(&parameters, &inputs, samples.end.saturating_sub(1));
+        self.air.draw(&parameters, &inputs, context.past_samples(self.sample_time)?);
         Ok(())
     }
 

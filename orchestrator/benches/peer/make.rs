@@ -84,7 +84,7 @@ pub fn packed(ports: usize) -> Result<PathBuf, Box<dyn Error>> {
         fs::copy(here.join("../Cargo.lock"), workspace.join("Cargo.lock"))?;
     }
     let unit = UnitCrate::at(&workspace.join(format!("relay_{ports}")))?;
-    pack::pack(&unit, &library_description, &unit.archive())?;
+    pack::pack(&unit, &library_description, &unit.archive(), &|_| ())?;
     Ok(unit.archive())
 }
 

@@ -9,6 +9,7 @@ pub mod expression;
 pub mod graph;
 pub mod listing;
 pub mod running;
+pub mod unit_page;
 pub mod values;
 pub mod variable_text;
 pub mod wiring;

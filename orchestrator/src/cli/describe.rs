@@ -2,15 +2,14 @@
 
 use crate::find::catalogue::{Catalogue, Origin, is_archive};
 use dsl::spelling;
-use flatten::variable_text::start;
-use fmi2::description::{Causality, Kind, ModelDescription, Variable};
+use flatten::unit_page::UnitPage;
 use fmi2::printable;
 use results::report;
 use std::ffi::{OsStr, OsString};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Shows the variables of a unit with their units of measure, or all units that would be found.
+/// Shows the variables of a unit with units of measure, limits, items and dependencies, or all units that would be found.
 #[derive(Debug, clap::Args)]
 pub struct Describe {
     /// A unit as scripts name it, or an .fmu file
@@ -21,6 +20,9 @@ pub struct Describe {
     /// Never build a unit
     #[arg(long)]
     no_build: bool,
+    /// Writes the page as JSON: each variable with type, unit, start value, limits, items and dependencies
+    #[arg(long, requires = "unit")]
+    json: bool,
 }
 
 impl Describe {
@@ -54,7 +56,12 @@ impl Describe {
         let name = catalogue.name_of(unit);
         let archive = catalogue.find(&name, &current).map_err(|problem| (problem.message, problem.help))?;
         let (description, _) = unit::archive::read_description(&archive).map_err(|error| (error.to_string(), None))?;
-        Ok(page(unit, &description))
+        let page = UnitPage::new(&description);
+        if self.json {
+            let text = serde_json::to_string_pretty(&page).map_err(|error| (error.to_string(), None))?;
+            return Ok(text + "\n");
+        }
+        Ok(page.text() + &to_paste(unit))
     }
 
     fn all(&self) -> Result<String, (String, Option<String>)> {
@@ -91,37 +98,6 @@ impl Describe {
     }
 }
 
-/// The variables of a unit, and a line to paste.
-fn page(unit: &OsStr, description: &ModelDescription) -> String {
-    let mut text = format!("{}\n", printable::line(&description.model_name));
-    if let Some(words) = &description.description {
-        let _ = writeln!(text, "{}", printable::block(words));
-    }
-    let sections = [
-        ("inputs", Causality::Input),
-        ("outputs", Causality::Output),
-        ("parameters", Causality::Parameter),
-        ("calculated parameters", Causality::CalculatedParameter),
-        ("locals", Causality::Local),
-    ];
-    for (title, causality) in sections {
-        let of_kind: Vec<_> = description.variables.iter().filter(|variable| variable.causality == causality).collect();
-        if of_kind.is_empty() {
-            continue;
-        }
-        let _ = writeln!(text, "\n{title}");
-        let width =
-            of_kind.iter().map(|variable| spelling::variable(&variable.name).chars().count()).max().unwrap_or(0);
-        for variable in of_kind {
-            let words = printable::line(variable.description.as_deref().unwrap_or_default());
-            let (kind, start) = (kind(description, variable), start(description, variable));
-            let line = format!("  {:<width$}  {kind:<10}  {start:<12}  {words}", spelling::variable(&variable.name));
-            let _ = writeln!(text, "{}", printable::line(line.trim_end()));
-        }
-    }
-    text + &to_paste(unit)
-}
-
 /// The line of a script that names the unit. A path that a script cannot name gets the line for a script beside it, if its
 /// file can be named.
 fn to_paste(unit: &OsStr) -> String {
@@ -143,36 +119,34 @@ fn scenario_name(name: &str) -> String {
     if plain.starts_with(|c: char| c.is_ascii_digit()) { format!("u{plain}") } else { plain }
 }
 
-/// The unit of a Real, the type of anything else.
-fn kind(description: &ModelDescription, variable: &Variable) -> String {
-    match &variable.kind {
-        Kind::Real(_) => description.unit_of(variable).unwrap_or("Real").to_owned(),
-        Kind::Integer { .. } => "Integer".to_owned(),
-        Kind::Boolean { .. } => "Boolean".to_owned(),
-        Kind::String { .. } => "String".to_owned(),
-        Kind::Enumeration { .. } => variable.declared_type.clone().unwrap_or_else(|| "Enumeration".to_owned()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_page_shows_units_start_values_and_a_line_to_paste() {
+    fn the_json_has_limits_items_and_dependencies() {
         let xml = br#"<?xml version="1.0"?>
-<fmiModelDescription fmiVersion="2.0" modelName="Tank" guid="g" description="A tank.">
+<fmiModelDescription fmiVersion="2.0" modelName="Tank" guid="g">
   <CoSimulation modelIdentifier="tank"/>
-  <UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit></UnitDefinitions>
+  <TypeDefinitions><SimpleType name="Valve"><Enumeration><Item name="shut" value="1"/><Item name="open" value="2"/></Enumeration>
+  </SimpleType></TypeDefinitions>
   <ModelVariables>
-    <ScalarVariable name="open" valueReference="0" causality="input" variability="discrete"><Boolean start="true"/></ScalarVariable>
-    <ScalarVariable name="level" valueReference="0" causality="output" description="Height of the water."><Real unit="m"/></ScalarVariable>
+    <ScalarVariable name="valve" valueReference="0" causality="input" variability="discrete"><Enumeration declaredType="Valve" start="2"/></ScalarVariable>
+    <ScalarVariable name="level" valueReference="0" causality="output"><Real min="0"/></ScalarVariable>
   </ModelVariables>
-  <ModelStructure><Outputs><Unknown index="2"/></Outputs></ModelStructure>
+  <ModelStructure><Outputs><Unknown index="2" dependencies="1"/></Outputs></ModelStructure>
 </fmiModelDescription>"#;
         let (description, _) = fmi2::description::read::read(xml).unwrap();
-        let expected = "Tank\nA tank.\n\ninputs\n  open  Boolean     true\n\noutputs\n  level  m                         \
-                        Height of the water.\n\nto paste\n  fmu my_tank = \"units/my-tank.fmu\"\n";
-        assert_eq!(page(OsStr::new("units/my-tank.fmu"), &description), expected);
+        let json = serde_json::to_value(UnitPage::new(&description)).unwrap();
+        let [valve, level] = [&json["variables"][0], &json["variables"][1]];
+        assert_eq!((&valve["type"], &valve["start"]), (&"Enumeration".into(), &"open".into()));
+        assert_eq!((&valve["items"][1]["name"], &valve["items"][1]["value"]), (&"open".into(), &2.into()));
+        assert_eq!((&level["min"], &level["depends"]), (&0.0.into(), &serde_json::json!(["valve"])));
+    }
+
+    #[test]
+    fn the_line_to_paste_names_the_unit_and_declares_a_name() {
+        assert_eq!(to_paste(OsStr::new("units/my-tank.fmu")), "\nto paste\n  fmu my_tank = \"units/my-tank.fmu\"\n");
+        assert_eq!(to_paste(OsStr::new("wind")), "\nto paste\n  fmu wind = \"wind\"\n");
     }
 }

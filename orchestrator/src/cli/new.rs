@@ -4,6 +4,7 @@ mod scenario;
 
 use fmi2::printable;
 use results::report;
+use results::report::invocation::program;
 use std::path::{Path, PathBuf};
 
 /// Writes something new to start from.
@@ -46,24 +47,41 @@ impl Unit {
     fn run(&self) -> u8 {
         let beside_this = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fmus/fmu");
         let fmu = self.fmu.clone().unwrap_or(beside_this);
-        let current = std::env::current_dir().map_err(|error| (format!("no current folder: {error}"), None));
-        let new = match current.and_then(|current| pack::new_unit(&self.name, &fmu, &current)) {
-            Ok(new) => new,
-            Err((message, help)) => {
-                report::error(&message, help.as_deref());
+        let refused = |error: &pack::PackError| {
+            report::error(error, error.help().as_deref());
+            2
+        };
+        let current = match std::env::current_dir() {
+            Ok(current) => current,
+            Err(error) => {
+                report::error(&format!("no current folder: {error}"), None);
                 return 2;
             }
         };
-        let name = &self.name;
-        let [unit, script] = pack::first_files(name).map(printable::path);
-        let width = unit.len().max(script.len());
-        report::result(&format!(
-            "{unit:<width$}  the unit, with a test\n{script:<width$}  a script that runs it\n\n\
-             cd {name}\ncargo test\nlockstep run {name}.scn\nlockstep pack .\n"
-        ));
+        let new = match pack::new_unit(&self.name, &fmu, &current) {
+            Ok(new) => new,
+            Err(error) => return refused(&error),
+        };
+        report::result(&self.next(new.unit.workspace == new.unit.folder));
         if let Some(note) = new.note {
             report::status(&note);
         }
         0
+    }
+
+    /// What was written, and the next commands; a crate that is its own workspace is entered first.
+    fn next(&self, alone: bool) -> String {
+        let name = &self.name;
+        let (unit, script) = (format!("{name}/src/lib.rs"), format!("{name}/{name}.scn"));
+        let width = unit.len().max(script.len());
+        let written = format!("{unit:<width$}  the unit, with a test\n{script:<width$}  a script that runs it\n\n");
+        let program = program();
+        if !alone {
+            return format!("{written}cargo test\n{program} run {script}\n{program} pack {name}\n");
+        }
+        let own_path = || std::env::current_exe().map(printable::shell_word);
+        // Another form than the bare name does not work in the unit's folder.
+        let program = if program == "lockstep" { program.to_owned() } else { own_path().unwrap_or_default() };
+        format!("{written}cd {name}\ncargo test\n{program} run {name}.scn\n{program} pack .\n")
     }
 }

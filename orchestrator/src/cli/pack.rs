@@ -37,13 +37,10 @@ impl Pack {
                 Some(folder) => folder.join(format!("{}.fmu", unit.name)),
                 None => unit.archive(),
             };
-            match pack::pack(unit, &unit::describe::describe_library, &archive) {
-                Ok(newer) => {
-                    pack::warning(&unit.name, &newer).iter().for_each(|warning| report::status(warning));
-                    report::result(&format!("{}\n", printable::path(archive)));
-                }
+            match pack::pack(unit, &unit::describe::describe_library, &archive, &report::status) {
+                Ok(()) => report::result(&format!("{}\n", printable::path(archive))),
                 Err(error) => {
-                    report::error(&error, error.help());
+                    report::error(&error, error.help().as_deref());
                     return 2;
                 }
             }

@@ -13,6 +13,7 @@ use results::checkpoint;
 use results::recorder::Formats;
 use results::report;
 use results::report::console::Style;
+use results::report::invocation::program;
 use results::report::table::{Heading, next_lines, replay_command};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -187,9 +188,9 @@ impl Run {
             report::result(&verdict.json());
             return;
         }
-        let replay = replay_command(&self.script, verdict.case, &verdict.parameters, &self.units);
+        let replay = replay_command(program(), &self.script, verdict.case, &verdict.parameters, &self.units);
         let text = report::table::report(&Heading { strict: self.strict, ..outcome.heading() }, verdict, &replay);
-        report::result(&(text + &next_lines(outcome.folder.path(), self.record.is_none())));
+        report::result(&(text + &next_lines(program(), outcome.folder.path(), self.record.is_none())));
     }
 }
 

@@ -19,6 +19,7 @@ use results::TraceError;
 use results::recorder::Formats;
 use results::report;
 use results::report::console::Style;
+use results::report::invocation::program;
 use results::report::table::{heading_line, next_lines};
 use results::run_folder::TRACE_CSV;
 use results::run_record::{HashedFile, sha256};
@@ -151,7 +152,7 @@ impl Simulate {
             copied.map_err(TraceError::io("write", output))?;
         }
         let heading = heading_line(&outcome.heading(), &outcome.verdict);
-        report::result(&(heading + &next_lines(outcome.folder.path(), !record::is_none(&self.record))));
+        report::result(&(heading + &next_lines(program(), outcome.folder.path(), !record::is_none(&self.record))));
         Ok(())
     }
 }

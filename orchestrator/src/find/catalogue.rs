@@ -1,13 +1,14 @@
 //! Finds the units that a script names, and builds those of the user's own workspace that are stale.
 //!
 //! A name that ends in `.fmu` or `.FMU` is a path beside the script. Any other name is looked up in the folders of
-//! `--units` and of `LOCKSTEP_UNITS`, then among the unit crates of cargo workspaces that `--units` names, then among the
-//! packed units of the workspace that the script is in, then among the unit crates of the workspace that the user's current
+//! `--units` and of `LOCKSTEP_UNITS` (of a workspace there, among its packed units), then among the unit crates of cargo
+//! workspaces that `--units` names, then among the packed units of the workspace that the script is in, then among the unit crates of the workspace that the user's current
 //! folder is in. Nothing else is ever built, so that a script from elsewhere cannot make this program build anything.
 
 use dsl::loader::Problem as UnitProblem;
 use fmi2::printable;
 use pack::{UnitCrate, Workspace};
+use results::report::invocation::program;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -173,13 +174,12 @@ impl Catalogue {
         }
         if !self.build {
             let message = format!("unit `{}` is not built, or older than its sources", unit.name);
-            let help = format!("leave out --no-build, or run: lockstep pack {}", unit.name);
+            let help = format!("leave out --no-build, or run: {} pack {}", program(), unit.name);
             return Err(UnitProblem { message, help: Some(help) });
         }
         results::report::status(&format!("building unit `{}`", unit.name));
-        let newer = pack::pack(unit, &unit::describe::describe_library, &archive)
-            .map_err(|error| UnitProblem { message: error.to_string(), help: error.help().map(str::to_owned) })?;
-        pack::warning(&unit.name, &newer).iter().for_each(|warning| results::report::status(warning));
+        pack::pack(unit, &unit::describe::describe_library, &archive, &results::report::status)
+            .map_err(|error| UnitProblem { message: error.to_string(), help: error.help() })?;
         Ok(archive)
     }
 
@@ -187,12 +187,12 @@ impl Catalogue {
         let entries = self.entries();
         let names = entries.iter().map(|entry| entry.name.as_str());
         let help = match dsl::nearest::nearest(name, names) {
-            Some(near) => format!("did you mean `{near}`? All units: lockstep describe"),
+            Some(near) => format!("did you mean `{near}`? All units: {} describe", program()),
             None if entries.is_empty() => {
                 "name a file, \"my_unit.fmu\", or a folder of them, --units DIR; here is no cargo workspace with units"
                     .to_owned()
             }
-            None => format!("{} units are here: lockstep describe", entries.len()),
+            None => format!("{} units are here: {} describe", entries.len(), program()),
         };
         UnitProblem { message: format!("there is no unit `{name}`"), help: Some(help) }
     }
@@ -207,7 +207,7 @@ fn workspace_at(folder: &Path) -> Result<Option<Workspace>, pack::PackError> {
 fn not_packed(unit: &UnitCrate) -> UnitProblem {
     let message = format!("unit `{}` of the workspace that this script is in is not packed", unit.name);
     let folder = printable::path(&unit.workspace);
-    let help = format!("run `lockstep pack {}` in {folder}, or allow it to be built: --units {folder}", unit.name);
+    let help = format!("run `{} pack {}` in {folder}, or allow it to be built: --units {folder}", program(), unit.name);
     UnitProblem { message, help: Some(help) }
 }
 
@@ -278,7 +278,7 @@ mod tests {
         let problem = from_elsewhere.find("tank", &theirs.join("scenarios")).unwrap_err();
         assert_eq!(problem.message, "unit `tank` of the workspace that this script is in is not packed");
         let folder = theirs.display();
-        let help = format!("run `lockstep pack tank` in {folder}, or allow it to be built: --units {folder}");
+        let help = format!("run `{} pack tank` in {folder}, or allow it to be built: --units {folder}", program());
         assert_eq!(problem.help, Some(help));
         let archive = UnitCrate::archive(&Workspace::around(&theirs).unwrap().unwrap().units[0]);
         std::fs::create_dir_all(archive.parent().unwrap()).unwrap();
@@ -319,6 +319,6 @@ mod tests {
         std::fs::write(root.path().join("Cargo.toml"), "[package]\nname = \"tank\"\n[package.metadata.fmu]\n").unwrap();
         let catalogue = Catalogue::new(Vec::new(), root.path(), false).unwrap();
         let problem = catalogue.find("tank", root.path()).unwrap_err();
-        assert_eq!(problem.help.as_deref(), Some("leave out --no-build, or run: lockstep pack tank"));
+        assert_eq!(problem.help, Some(format!("leave out --no-build, or run: {} pack tank", program())));
     }
 }

@@ -217,7 +217,11 @@ fn finding_lines(name: &str, archive: &Path, findings: &[Finding]) -> Vec<String
     let shown = broken.iter().take(FINDINGS_SHOWN);
     let mut lines: Vec<_> = shown.map(|finding| format!("warning: unit `{name}`: {finding}")).collect();
     if let Some(more) = broken.len().checked_sub(FINDINGS_SHOWN).filter(|&more| more > 0) {
-        lines.push(format!("warning: unit `{name}`: and {more} more: lockstep check {}", printable::path(archive)));
+        lines.push(format!(
+            "warning: unit `{name}`: and {more} more: {} check {}",
+            results::report::invocation::program(),
+            printable::path(archive)
+        ));
     }
     lines
 }

@@ -80,6 +80,6 @@ fn any_value(subject: &Subject, variable: usize, generator: &mut Generator) -> V
 }
 
 /// A random index of a list of this length.
-fn below(length: usize, generator: &mut Generator) -> usize {
+pub(super) fn below(length: usize, generator: &mut Generator) -> usize {
     usize::try_from(generator.next_u64() % length.max(1) as u64).unwrap_or(0)
 }

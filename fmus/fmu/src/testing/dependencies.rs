@@ -85,16 +85,24 @@ fn moved_at_once(subject: &mut Subject, base: &Base, moves: &mut BTreeSet<Move>,
         return;
     }
     if subject.bytes() != state {
-        found.insert("a second `outputs` changes what the first one left".to_owned());
+        found.insert("a second `outputs` changes what the first one left: it must not change a state".to_owned());
     }
     let without: Vec<Value> = outputs.iter().map(|&output| subject.get(output)).collect();
     for input in inputs {
         subject.restore(&*warm);
         for other in subject.others(input) {
             subject.restore(&*warm);
+            let own = subject.get(input);
             subject.set(input, &other);
             if subject.compute_outputs(now_s).is_ok() {
                 note(subject, When::AtOnce, &outputs, &without, input, moves);
+                subject.set(input, &own);
+                if subject.compute_outputs(now_s).is_ok() && subject.bytes() != state {
+                    let name = subject.name(input);
+                    found.insert(format!(
+                        "`outputs` changes a state: the unit remembers that `{name}` had another value"
+                    ));
+                }
             }
         }
     }

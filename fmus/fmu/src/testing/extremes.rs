@@ -1,6 +1,7 @@
 //! Checks that a unit answers extreme values with outputs or with a fault, never with a panic.
 
 use super::Findings;
+use super::bases::below;
 use super::subject::Subject;
 use crate::instance::panic_text;
 use crate::library::Library;
@@ -64,7 +65,7 @@ fn run_once(subject: &mut Subject, generator: &mut Generator) {
 
 fn set_extreme(subject: &mut Subject, variable: usize, generator: &mut Generator) {
     let described = &subject.description().variables[variable];
-    let mut index = |length: usize| usize::try_from(generator.next_u64() % length.max(1) as u64).unwrap_or(0);
+    let mut index = |length: usize| below(length, generator);
     let value = match &described.kind {
         Kind::Real(real) => {
             let wanted = REALS[index(REALS.len())];

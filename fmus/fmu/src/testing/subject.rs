@@ -3,7 +3,7 @@
 use super::moves::others;
 use crate::body::Body;
 use crate::library::{Library, Unit};
-use crate::model::{Context, Fault};
+use crate::model::{Context, Fault, Outcome};
 use crate::step::{Step, Time};
 use crate::visitor::Value;
 use fmi2::description::{Causality, Kind, ModelDescription, Variable};
@@ -72,7 +72,11 @@ impl Subject {
 
     pub(super) fn step(&mut self, start_s: f64, length_s: f64) -> Result<(), Fault> {
         let step = Step::new(Time::from_s(start_s), Time::from_s(length_s));
-        self.body.step(step, &mut Context::default()).map(drop)
+        let outcome = self.body.unit_mut().step(step, &mut Context::default())?;
+        self.body.outputs(match outcome {
+            Outcome::Done => step.end_s(),
+            Outcome::AcceptedUntil(time_s) | Outcome::Terminated(time_s) => time_s,
+        })
     }
 
     pub(super) fn compute_outputs(&mut self, time_s: f64) -> Result<(), Fault> {

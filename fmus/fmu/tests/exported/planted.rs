@@ -1,8 +1,8 @@
 //! Units with a planted mistake: each of the tests that every unit gets detects its own.
 
 use fmu::testing::{
-    a_saved_state_goes_on_bit_for_bit, init_can_be_repeated, outputs_depend_on_what_they_declare,
-    the_description_keeps_every_rule_of_the_standard,
+    a_saved_state_goes_on_bit_for_bit, finite_values_give_finite_outputs_or_a_fault, init_can_be_repeated,
+    outputs_depend_on_what_they_declare, the_description_keeps_every_rule_of_the_standard,
 };
 use fmu::{Context, Fault, Fmu, Library, Model, Outcome, Package, Step};
 use serde::{Deserialize, Serialize};
@@ -128,4 +128,58 @@ static FORGETFUL: Library = Library::of::<Forgetful>(PACKAGE);
 fn hidden_state_that_is_not_written_is_found() {
     let found = a_saved_state_goes_on_bit_for_bit(&FORGETFUL).expect_err("one mistake");
     assert_eq!(found.0, ["a unit read from bytes goes on otherwise: `Serialize` leaves something out"]);
+}
+
+/// Its outputs change states, and it panics at a large input.
+#[derive(Fmu, Clone, Serialize, Deserialize)]
+struct Restless {
+    /// Length
+    #[input(unit = "m")]
+    length: f64,
+    /// The length again
+    #[output(unit = "m", depends(length))]
+    echo: f64,
+    /// The last length that `outputs` met
+    last_m: f64,
+    /// Counts calls of `outputs` for lengths below zero
+    calls: u32,
+}
+
+impl Model for Restless {
+    fn init(&mut self, _: &mut Context) -> Result<(), Fault> {
+        (self.last_m, self.calls) = (0.0, 0);
+        Ok(())
+    }
+
+    fn step(&mut self, _: Step, _: &mut Context) -> Result<Outcome, Fault> {
+        assert!(self.length < 1e100, "too long");
+        Ok(Outcome::Done)
+    }
+
+    fn outputs(&mut self, _: f64) -> Result<(), Fault> {
+        self.echo = self.length;
+        self.last_m = self.last_m.max(self.length);
+        self.calls += u32::from(self.length < 0.0);
+        Ok(())
+    }
+}
+
+static RESTLESS: Library = Library::of::<Restless>(PACKAGE);
+
+#[test]
+fn outputs_that_change_a_state_are_found() {
+    let found = outputs_depend_on_what_they_declare(&RESTLESS).expect_err("two mistakes");
+    assert_eq!(
+        found.0,
+        [
+            "`outputs` changes a state: the unit remembers that `length` had another value",
+            "a second `outputs` changes what the first one left: it must not change a state",
+        ]
+    );
+}
+
+#[test]
+fn a_panic_at_a_large_value_is_found_with_the_value() {
+    let found = finite_values_give_finite_outputs_or_a_fault(&RESTLESS).expect_err("one mistake");
+    assert!(found.0.len() == 1 && found.0[0].starts_with("it panics: too long, with length = Real("), "{found:?}");
 }

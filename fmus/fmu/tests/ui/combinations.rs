@@ -37,7 +37,7 @@ struct Unit {
     #[input(start = [0, -1], min = 0)]
     below: [i32; 2],
     /// A port
-    #[input(unit = "m", min = 1.0, max = 0.0, start = 0.5)]
+    #[input(unit = "m", min = 1.0, max = 0.0)]
     upside_down: f64,
     #[input(unit = "m")]
     undescribed: f64,

@@ -47,6 +47,8 @@ fn has_commands(terminal: Option<&OsStr>) -> bool {
 
 /// How often a line on a terminal changes.
 const REFRESH: Duration = Duration::from_millis(100);
+/// Seconds of a run after which people see its progress.
+const PATIENCE_S: f64 = 1.0;
 
 /// Writes lines and progress in turn.
 #[derive(Debug)]
@@ -89,15 +91,22 @@ impl<W: Write> Console<W> {
         match self.style {
             Style::Live => {
                 if self.shown.is_none_or(|shown| shown.elapsed() >= REFRESH) {
+                    let progress = progress();
+                    if progress.wall_s < PATIENCE_S {
+                        return;
+                    }
                     // Carriage return, erase to the end, no wrapping while the line is written.
-                    let _ = write!(self.out, "\r\x1b[K\x1b[?7l{}\x1b[?7h", progress().line());
+                    let _ = write!(self.out, "\r\x1b[K\x1b[?7l{}\x1b[?7h", progress.line());
                     let _ = self.out.flush();
                     self.shown = Some(Instant::now());
                 }
             }
             Style::Tenths => {
                 if let Some(percent) = self.tenths.due(part) {
-                    let _ = writeln!(self.out, "{percent:3} %  {}", progress().line());
+                    let progress = progress();
+                    if progress.wall_s >= PATIENCE_S {
+                        let _ = writeln!(self.out, "{percent:3} %  {}", progress.line());
+                    }
                 }
             }
             Style::Never => {}
@@ -123,16 +132,14 @@ mod tests {
     use super::*;
 
     fn output(style: Style) -> String {
+        output_after(style, 1.0)
+    }
+
+    fn output_after(style: Style, wall_s: f64) -> String {
         let mut bytes = Vec::new();
         let mut console = Console::new(&mut bytes, style);
         for time_s in [0.0, 1.0, 2.0] {
-            console.progress(time_s / 2.0, || Progress {
-                time_s,
-                stop_s: 2.0,
-                from_s: 0.0,
-                wall_s: 0.5,
-                claims: vec![],
-            });
+            console.progress(time_s / 2.0, || Progress { time_s, stop_s: 2.0, from_s: 0.0, wall_s, claims: vec![] });
         }
         console.say("0.5 s  quad  warning  low battery");
         console.clear();
@@ -151,8 +158,16 @@ mod tests {
     fn without_a_terminal_there_is_a_line_for_each_tenth_reached() {
         assert_eq!(
             output(Style::Tenths),
-            " 50 %  1.00 s of 2 s  2x\n100 %  2.00 s of 2 s  4x\n0.5 s  quad  warning  low battery\n"
+            " 50 %  1.00 s of 2 s  1x  1 s left\n100 %  2.00 s of 2 s  2x\n0.5 s  quad  warning  low battery\n"
         );
+    }
+
+    #[test]
+    fn a_run_of_less_than_a_second_shows_no_progress_to_people() {
+        for style in [Style::Live, Style::Tenths] {
+            assert_eq!(output_after(style, 0.9), "0.5 s  quad  warning  low battery\n");
+        }
+        assert!(output_after(Style::Json, 0.9).starts_with('{'));
     }
 
     #[test]

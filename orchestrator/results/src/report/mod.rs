@@ -3,6 +3,7 @@
 //! Results go to standard output, everything else to standard error. Nothing else in this library prints.
 
 pub mod console;
+pub mod invocation;
 pub mod number;
 pub mod progress;
 pub mod table;

@@ -34,20 +34,26 @@ pub fn report(heading: &Heading, verdict: &VerdictFile, replay: &str) -> String 
     text
 }
 
-/// The lines that name the next commands: the run's folder, its plot, the comparison with another run.
+/// The lines that name the next commands of a program: the run's folder, its plot, the comparison with another run.
 #[must_use]
-pub fn next_lines(folder: &Path, recorded: bool) -> String {
+pub fn next_lines(program: &str, folder: &Path, recorded: bool) -> String {
     let folder = printable::shell_word(folder);
     if !recorded {
         return format!("{folder}\n");
     }
-    format!("{folder}\n  lockstep plot {folder}\n  lockstep diff {folder} OTHER\n")
+    format!("{folder}\n  {program} plot {folder}\n  {program} diff {folder} OTHER\n")
 }
 
-/// The command that repeats a run: the script with the case of its sweep and what the command line set.
+/// The command of a program that repeats a run: the script with the case of its sweep and what the command line set.
 #[must_use]
-pub fn replay_command(script: &Path, case: Option<Case>, parameters: &[Parameter], units: &[PathBuf]) -> String {
-    let mut line = format!("lockstep run {}", printable::shell_word(script));
+pub fn replay_command(
+    program: &str,
+    script: &Path,
+    case: Option<Case>,
+    parameters: &[Parameter],
+    units: &[PathBuf],
+) -> String {
+    let mut line = format!("{program} run {}", printable::shell_word(script));
     if let Some(Case { number, draw_seed }) = case {
         let _ = write!(line, " --case {number}");
         let _ = draw_seed.map_or(Ok(()), |seed| write!(line, " --set 'seed = {seed}'"));
@@ -100,11 +106,34 @@ fn claim_lines(script: &str, claims: &[JudgedClaim]) -> String {
         let line = format!("  {verdict:verdict_width$}  {name:name_width$}  {margin:margin_width$}  {detail}");
         text.push_str(line.trim_end());
         text.push('\n');
-        if let Some(because) = &claim.because {
-            let _ = writeln!(text, "  {:verdict_width$}  because {}", "", shortened(because));
+        for reason in reasons(claim) {
+            let _ = writeln!(text, "  {:verdict_width$}  {reason}", "");
         }
     }
     text
+}
+
+/// Below a failed claim: its text, unless it stands beside it, and which part of it failed, when first and when worst.
+fn reasons(claim: &JudgedClaim) -> Vec<String> {
+    let Some(because) = &claim.because else { return Vec::new() };
+    let stands_beside = claim.limit.is_none() || claim.seen.is_none();
+    let text = (!stands_beside).then(|| shortened(&claim.claim));
+    // A claim of one part would stand here twice.
+    let failed = because.find(" failed ").map(|at| because.split_at(at));
+    let because = match failed {
+        Some((part, failed)) if claim.claim == in_order(part) => failed.trim_start().to_owned(),
+        _ => format!("because {because}"),
+    };
+    text.into_iter().chain([shortened(&because)]).collect()
+}
+
+/// "`part` in `window`" as a claim has it, the window first.
+fn in_order(part: &str) -> String {
+    let unquoted = |text: &str| text.trim_matches('`').to_owned();
+    match part.split_once("` in `") {
+        Some((part, window)) => format!("{} {}", unquoted(window), unquoted(part)),
+        None => unquoted(part),
+    }
 }
 
 /// The longest text of a claim in the table, in characters.
@@ -204,8 +233,8 @@ mod tests {
             claims: claims.collect(),
             events: Vec::new(),
         };
-        let replay = replay_command(Path::new(heading.script), None, &verdict.parameters, &[]);
-        report(&heading, &verdict, &replay) + &next_lines(Path::new("runs/quad"), true)
+        let replay = replay_command("lockstep", Path::new(heading.script), None, &verdict.parameters, &[]);
+        report(&heading, &verdict, &replay) + &next_lines("lockstep", Path::new("runs/quad"), true)
     }
 
     fn heading(state: RunState) -> Heading<'static> {
@@ -279,12 +308,12 @@ mod tests {
     fn a_replay_command_is_quoted_for_the_shell() {
         let parameter = |value: &str| Parameter { name: "load".to_owned(), value: value.to_owned(), set: true };
         let (script, set, units) = (Path::new("my runs/a.scn"), [parameter("5 'N.m'")], ["units".into()]);
-        let line = replay_command(script, None, &set, &units);
+        let line = replay_command("lockstep", script, None, &set, &units);
         assert_eq!(line, r#"lockstep run 'my runs/a.scn' --set 'load = 5 '\''N.m'\''' --units units"#);
         let case = Case { number: 7, draw_seed: None };
-        assert_eq!(replay_command(Path::new("a.scn"), Some(case), &[], &[]), "lockstep run a.scn --case 7");
+        assert_eq!(replay_command("lockstep", Path::new("a.scn"), Some(case), &[], &[]), "lockstep run a.scn --case 7");
         let case = Case { number: 7, draw_seed: Some(3) };
-        let line = replay_command(Path::new("a.scn"), Some(case), &[], &[]);
+        let line = replay_command("lockstep", Path::new("a.scn"), Some(case), &[], &[]);
         assert_eq!(line, "lockstep run a.scn --case 7 --set 'seed = 3'");
     }
 }

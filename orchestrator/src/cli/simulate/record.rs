@@ -5,6 +5,7 @@ use crate::find::preparation::Refusal;
 use dsl::nearest::nearest;
 use dsl::scenario::{Column, Port};
 use fmi2::description::{BaseType, Causality, ModelDescription, Variable};
+use results::report::invocation::program;
 
 /// What is recorded.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -88,7 +89,7 @@ fn by_name(names: &[&str], description: &ModelDescription) -> Result<Vec<usize>,
             let all = || description.variables.iter().map(|variable| variable.name.as_str());
             let near = nearest(name, all()).map(|near| format!("did you mean `{near}`?"));
             let help =
-                near.unwrap_or_else(|| "the unit's variables: lockstep describe, with its name or path".to_owned());
+                near.unwrap_or_else(|| format!("the unit's variables: {} describe, with its name or path", program()));
             let what =
                 if name.contains('*') { "no variable fits this pattern" } else { "the unit has no such variable" };
             return Err(Refusal::new(&format!("--record {name}: {what}"), Some(&help)));
