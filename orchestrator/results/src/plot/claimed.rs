@@ -8,6 +8,8 @@ use crate::comparison::{Comparison, Quantity};
 /// A limit of a claim in the unit of its panel.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Limit {
+    /// The claim's name.
+    pub claim: String,
     /// The claim's name with the limit in words.
     pub text: String,
     pub low: Option<f64>,
@@ -54,6 +56,7 @@ pub(super) fn limit(run: &Run, claim: usize, index: usize, factor: f64) -> Optio
     let is_worst = claim.part == Some(comparison.part) && worst(run, claim) == Some(index);
     let first_s = claim.first_s.filter(|_| is_worst);
     Some(Limit {
+        claim: claim.name.clone(),
         text: text(&claim.name, low, high)?,
         low,
         high,

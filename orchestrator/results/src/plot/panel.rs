@@ -69,6 +69,7 @@ impl<'a> Laid<'a> {
             legend.add(Sample::Line(Stroke::of_curve(index, 1.8)), curve.name.as_str());
         }
         let mut named: Vec<&str> = Vec::new();
+        let is_one = panel.limits.windows(2).all(|pair| pair[0].claim == pair[1].claim);
         for limit in &panel.limits {
             let is_drawn = self.limits.contains(&limit);
             let outside = if is_drawn { "" } else { " (outside)" };
@@ -83,12 +84,14 @@ impl<'a> Laid<'a> {
                 let samples = panel.curves.get(limit.curve).and_then(|curve| curve.of_runs.first());
                 samples.and_then(|samples| value_at(samples, at)).map_or_else(String::new, rounded)
             };
+            // Of several claims each mark says which it is of.
+            let of = if is_one { String::new() } else { format!("{} ", limit.claim) };
             if let Some(at) = limit.first_s.filter(in_time) {
-                legend.add(Sample::First, format!("fails first at {} s", label(at)));
+                legend.add(Sample::First, format!("{of}fails first at {} s", label(at)));
             }
             if let Some(at) = limit.worst_s.filter(in_time) {
                 let word = if limit.once { "best" } else { "worst" };
-                legend.add(Sample::Worst, format!("{word} {} at {} s", value(at), label(at)));
+                legend.add(Sample::Worst, format!("{of}{word} {} at {} s", value(at), label(at)));
             }
         }
     }

@@ -110,9 +110,7 @@ impl Space {
         let height = if view::rests(&room) { RESTING } else { HEIGHT.min(0.6 * width) };
         let view = View::fit(&room, selection.view, [SIDE, upper, width - 2.0 * SIDE, height]);
         let mut labels = Labels::default();
-        if self.surfaces.is_empty() || view.above {
-            floor(picture, &view);
-        }
+        floor(picture, &view);
         self.surfaces.iter().for_each(|surface| surface.draw(picture, &view));
         self.cells.iter().for_each(|cells| cells.draw(picture, &view));
         self.letters(picture, &view, &mut labels, false);

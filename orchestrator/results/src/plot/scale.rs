@@ -131,6 +131,11 @@ pub(super) fn label(value: f64) -> String {
     signed(match value.abs() {
         0.0 => "0".to_owned(),
         1e-3..1e9 => format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_owned(),
+        1e9.. => {
+            let text = format!("{value:.2e}");
+            let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
+            format!("{}e{power}", digits.trim_end_matches('0').trim_end_matches('.'))
+        }
         _ => short(value),
     })
 }
@@ -182,7 +187,7 @@ mod tests {
         assert_eq!(label_in_steps(0.30000000000000004, 0.1), "0.3");
         assert_eq!(label_in_steps(1.0, 0.25), "1.00");
         assert_eq!(label_in_steps(3e-8, 1e-8), "3e\u{2212}8");
-        assert_eq!(label_in_steps(-2e12, 1e12), "\u{2212}2000000000000");
+        assert_eq!(label_in_steps(-2e12, 1e12), "\u{2212}2e12");
         assert_eq!(rounded(15.968_267), "15.97");
     }
 

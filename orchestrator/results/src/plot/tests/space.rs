@@ -53,6 +53,12 @@ fn several_vehicles_have_lines_of_their_own_and_their_distance_a_panel() {
     let rolls = [rolls.claim("apart", "ok", (None, 0.0), &[apart])];
     let choice = Choice::new(&rolls, &Selection::default()).unwrap();
     assert_eq!(choice.panels[0].limits.len(), 2, "two claims about one quantity share a panel");
+    let drawing = picture("two-claims", &rolls, &Selection::default());
+    assert!(
+        has(&drawing, "together fails first at 8 s") && has(&drawing, "apart worst 8 at 0 s"),
+        "{:?}",
+        texts(&drawing)
+    );
     let has_both =
         |panel: &Panel| panel.curves.iter().map(|curve| curve.name.as_str()).eq(["wing[1].roll", "wing[2].roll"]);
     assert!(choice.panels.iter().any(has_both), "the same signal of both vehicles shares a panel");
