@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::Duration;
 use tests::program::{Said, lockstep, unit_builds};
 
 const BOTH: &str = "scenario \"Two units of one's own\"\nstep 10 ms\nstop 2 s\n\
@@ -89,13 +90,47 @@ fn units_of_the_same_name_in_two_workspaces_are_not_taken_for_each_other() {
     let source = other.path().join("twin/src/lib.rs");
     let changed = fs::read_to_string(&source).unwrap().replace("Where the value starts", "Where it begins");
     fs::write(&source, changed).unwrap();
-    for _ in 0..2 {
-        for (home, words) in [(&one, "Where the value starts"), (&other, "Where it begins")] {
-            done(home.path(), &["pack", "twin"]);
-            let page = done(home.path(), &["describe", "target/fmus/twin.fmu"]).out;
+    let (one, other) = (one.path(), other.path());
+    for from in [[one, other], [one.parent().unwrap(); 2]] {
+        for ((home, words), from) in [(one, "Where the value starts"), (other, "Where it begins")].into_iter().zip(from)
+        {
+            // From the folder above, by a relative path.
+            let unit = home.strip_prefix(from).unwrap().join("twin");
+            done(from, &["pack", unit.to_str().unwrap()]);
+            let page = done(home, &["describe", "target/fmus/twin.fmu"]).out;
             assert!(page.contains(words), "{page}");
         }
     }
+}
+
+#[test]
+fn a_library_of_an_earlier_build_does_not_pass_for_one_that_is_missing() {
+    let home = tempfile::tempdir().unwrap();
+    done(home.path(), &["new", "unit", "bare"]);
+    done(home.path(), &["pack", "bare"]);
+    let manifest = home.path().join("bare/Cargo.toml");
+    let without = fs::read_to_string(&manifest).unwrap().replace("crate-type = [\"cdylib\"]\n", "");
+    fs::write(&manifest, without).unwrap();
+    let said = started(&lockstep(), home.path(), &["pack", "bare"]);
+    assert_eq!(said.code, Some(2));
+    assert!(said.err.contains("unit `bare` built no library"), "{}", said.err);
+}
+
+#[test]
+fn a_packed_unit_that_is_older_than_its_sources_is_used_with_a_warning() {
+    let home = workspace();
+    for unit in ["my_lag", "my_filter"] {
+        done(home.path(), &["pack", unit]);
+    }
+    let source = home.path().join("my_lag/src/lib.rs");
+    let later =
+        fs::metadata(home.path().join("target/fmus/my_lag.fmu")).unwrap().modified().unwrap() + Duration::from_secs(5);
+    fs::File::options().write(true).open(&source).unwrap().set_modified(later).unwrap();
+    let elsewhere = tempfile::tempdir().unwrap();
+    let script = home.path().join("both.scn");
+    let said = done(elsewhere.path(), &["run", script.to_str().unwrap()]);
+    let warnings: Vec<_> = said.err.lines().filter(|line| line.contains("older than its sources")).collect();
+    assert!(matches!(warnings[..], [line] if line.starts_with("warning: the packed unit `my_lag`")), "{}", said.err);
 }
 
 #[test]

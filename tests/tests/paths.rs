@@ -81,15 +81,15 @@ fn the_lines_to_paste_name_the_right_folder() {
     let arguments = [OsStr::new("run"), script.as_os_str(), OsStr::new("--out"), out.as_os_str()];
     let said = run(home.path(), &arguments);
     assert_eq!(said.code, Some(1), "{}", said.err);
-    let pasted = |line: &str| {
-        let line = line.trim().replacen("lockstep", lockstep().to_str().unwrap(), 1);
-        Said::from(Command::new("bash").args(["-c", &line]).current_dir(home.path()).output().unwrap())
-    };
-    let plot = said.out.lines().find(|line| line.starts_with("  lockstep plot ")).unwrap();
+    // The program was started by its path, and the lines name it so.
+    let pasted =
+        |line: &str| Said::from(Command::new("bash").args(["-c", line]).current_dir(home.path()).output().unwrap());
+    let begins = |command: &str| format!("  {} {command} ", lockstep().display());
+    let plot = said.out.lines().find(|line| line.starts_with(&begins("plot"))).unwrap();
     assert_eq!(pasted(plot).code, Some(0), "{plot}");
     assert!(out.join("plot.svg").is_file());
-    let diff = said.out.lines().find(|line| line.starts_with("  lockstep diff ")).unwrap();
-    assert_eq!(pasted(&diff.replace("OTHER", &plot["  lockstep plot ".len()..])).code, Some(0), "{diff}");
+    let diff = said.out.lines().find(|line| line.starts_with(&begins("diff"))).unwrap();
+    assert_eq!(pasted(&diff.replace("OTHER", &plot[begins("plot").len()..])).code, Some(0), "{diff}");
     let replay = said.out.lines().find_map(|line| line.strip_suffix(" replays it")).unwrap();
     let again = pasted(replay.split_once("  ").unwrap().1);
     assert_eq!(again.code, Some(1), "{replay} {}", again.err);
