@@ -20,8 +20,7 @@ pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
         next = value.saturating_add(1);
         Ok(value)
     }))?;
-    let ident = &input.ident;
-    let (name, description) = (ident.to_string(), first_paragraph(&input.attrs));
+    let (ident, name, description) = (&input.ident, input.ident.to_string(), first_paragraph(&input.attrs));
     check_descriptions(input, data)?;
     let variants: Vec<_> = data.variants.iter().map(|variant| &variant.ident).collect();
     let items = data.variants.iter().zip(&values).map(|(variant, value)| {
