@@ -24,7 +24,7 @@ START_VALUES = {
     "rotor_speed_min": 40.0, "rotor_speed_max": 340.0,
     "air_density": 1.225, "gravity": 9.81,
     "body_area": 0.015, "disc_area_fraction": 0.15, "drag_coefficient": 1.0,
-    "rotor_model": "bemt", "ground_effect": True, "ground_turbulence": 0.05,
+    "rotor_model": "bemt", "ground_effect": True, "ground_turbulence": 0.05, "sample_time": 0.01,
     "seed": 1, "stream": 4,
 }
 
@@ -218,17 +218,22 @@ def simulate(inputs, parameters, step):
     h = step / count
 
     sigma, generator = p["ground_turbulence"], Generator(p["seed"], p["stream"])
-    kept = math.exp(-h / 0.05)
+    kept = math.exp(-p["sample_time"] / 0.05)
     n = np.array([generator.normal() for _ in range(4)])
+
+    def due(t):
+        return math.floor(t / p["sample_time"] + 1e-9)
 
     x = start(p)
     rows = []
     for k in range(len(time)):
         held = None
-        for _ in range(count if k else 0):
+        for part in range(count if k else 0):
             held = (command[k - 1], from_port(wind[k - 1]), effectiveness[k - 1])
             x = plant.inner_step(x, h, *held, sigma * n)
-            n = kept * n + math.sqrt(1 - kept**2) * np.array([generator.normal() for _ in range(4)])
+            begin = time[k - 1] + part * h
+            for _ in range(due(begin + h) - due(begin)):
+                n = kept * n + math.sqrt(1 - kept**2) * np.array([generator.normal() for _ in range(4)])
         _, air, healthy = held or (None, from_port(wind[0]), effectiveness[0])
         rows.append(outputs(x, plant.thrusts(x, air, healthy, sigma * n).sum()))
     return {"time": time} | {name: np.array([row[name] for row in rows]) for name in rows[0]}
